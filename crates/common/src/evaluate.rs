@@ -1,0 +1,99 @@
+//! The traits through which every spline is evaluated, whatever its method.
+//!
+//! A method says how a point set is prepared ([`SurfaceSpline::prepare`] pays for a factorisation
+//! or basis rows) and how prepared points are evaluated again and again ([`Evaluator::evaluate`]).
+
+use crate::mesh::{SurfacePoint, TriangleMesh};
+
+/// Highest derivative asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Order {
+    /// Values only.
+    Value,
+    /// Values and first derivatives.
+    First,
+    /// Values, first and second derivatives.
+    Second,
+}
+
+/// The mesh that addresses the points of a spline.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub enum Domain<'a> {
+    /// Points are barycentric on the triangles of this mesh.
+    Triangles(&'a TriangleMesh),
+}
+
+/// Why points cannot be evaluated.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EvaluateError {
+    /// The method has no derivatives of this order.
+    #[error("derivatives of order {asked:?} are not available; ask for at most {available:?}")]
+    OrderUnavailable {
+        /// Order that was asked for.
+        asked: Order,
+        /// Highest order the method has.
+        available: Order,
+    },
+    /// A point lies on a face that the domain does not have.
+    #[error("point {point} lies on face {face}, but the domain has {faces} faces")]
+    NoSuchFace {
+        /// Index into the points asked for.
+        point: usize,
+        /// Face the point names.
+        face: u32,
+        /// Number of faces of the domain.
+        faces: usize,
+    },
+    /// Barycentric coordinates that are not finite, negative, or do not sum to one.
+    #[error("point {point} has barycentric coordinates outside of face {face}")]
+    OutsideFace {
+        /// Index into the points asked for.
+        point: usize,
+        /// Face the point names.
+        face: u32,
+    },
+    /// The system that extends the spline to these points could not be solved.
+    #[error("the points cannot be prepared: {reason}")]
+    Unsolvable {
+        /// What failed.
+        reason: String,
+    },
+}
+
+/// Values, and derivatives where asked for, at prepared points.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Samples {
+    /// Components of a value.
+    pub dimension: usize,
+    /// Values, point after point: `values[point * dimension + component]`.
+    pub values: Vec<f64>,
+    /// First derivatives in the orthonormal frame of the face, `[point][direction 0..2][component]`;
+    /// empty unless asked for.
+    pub first: Vec<f64>,
+    /// Second derivatives `[point][uu, uv, vv][component]`; empty unless asked for.
+    pub second: Vec<f64>,
+}
+
+/// Prepared points of one spline.
+pub trait Evaluator {
+    /// Writes the samples of all prepared points into `out`, whose buffers are reused.
+    fn evaluate(&self, out: &mut Samples);
+}
+
+/// A spline over the points of a surface mesh.
+pub trait SurfaceSpline {
+    /// The mesh whose points address this spline.
+    fn domain(&self) -> Domain<'_>;
+
+    /// Pays what `points` cost once, so that they can be evaluated cheaply.
+    ///
+    /// # Errors
+    /// A point outside of the domain, or an order that the method does not have.
+    fn prepare(
+        &self,
+        points: &[SurfacePoint],
+        order: Order,
+    ) -> Result<Box<dyn Evaluator + '_>, EvaluateError>;
+}

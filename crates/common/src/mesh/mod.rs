@@ -1,0 +1,14 @@
+//! Meshes: topology, positions, facts, and what turns one mesh into another.
+//!
+//! A file is read into a [`PolygonSoup`], which may hold anything. [`preflight`] lists what is
+//! wrong with it; only a clean soup becomes a [`TriangleMesh`]. A mesh never changes after it is
+//! built: subdivision, decimation and repair return new ones. Topology is shared, so that new
+//! positions over the same connectivity cost no topology.
+
+mod soup;
+mod topology;
+mod triangle;
+
+pub use soup::{PolygonSoup, VertexAttribute};
+pub use topology::{NONE, Topology, TopologyError};
+pub use triangle::{SurfacePoint, TriangleMesh};
