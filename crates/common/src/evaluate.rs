@@ -5,6 +5,15 @@
 
 use crate::mesh::{SurfacePoint, TriangleMesh};
 
+/// Data given at the vertices of a mesh: `values[vertex * dimension + component]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VertexData<'a> {
+    /// Components at each vertex: 3 for positions or colours.
+    pub dimension: usize,
+    /// The components of one vertex after those of another.
+    pub values: &'a [f64],
+}
+
 /// Highest derivative asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Order {
