@@ -319,7 +319,7 @@ enum Plan {
 }
 
 fn item_report(experiment: &Experiment, mut rows: Vec<RowReport>) -> ItemReport {
-    let mean = |report: &RowReport| report.result.record()?.error.map(|error| error.mean);
+    let mean = |report: &RowReport| report.result.record()?.error.as_ref().map(|error| error.mean);
     let means: Vec<(String, Option<f64>)> =
         rows.iter().map(|report| (report.row.id.clone(), mean(report))).collect();
     for (report, (_, ours)) in rows.iter_mut().zip(&means) {

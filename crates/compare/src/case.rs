@@ -140,7 +140,7 @@ impl Method {
 pub enum Amount {
     /// So many vertices.
     Count(usize),
-    /// This fraction of the vertices, rounded to the nearest count.
+    /// This fraction of the vertices, rounded to the nearest count; at least one unless it is zero.
     Fraction(f64),
 }
 
@@ -181,7 +181,10 @@ impl Amount {
         let count = match self {
             Self::Count(count) => count,
             Self::Fraction(fraction) if fraction > 1.0 => usize::MAX,
-            Self::Fraction(fraction) => (fraction * vertices as f64).round() as usize,
+            Self::Fraction(fraction) if fraction > 0.0 => {
+                ((fraction * vertices as f64).round() as usize).max(1)
+            }
+            Self::Fraction(_) => 0,
         };
         match count {
             0 => Err(AmountError::Zero { asked: self, vertices }),
@@ -234,8 +237,9 @@ mod tests {
     fn amounts_stay_between_one_and_all_vertices() {
         assert_eq!(Amount::Fraction(0.03).of(10_044), Ok(301));
         assert_eq!(Amount::Fraction(1.0).of(7), Ok(7));
+        assert_eq!(Amount::Fraction(0.001).of(7), Ok(1));
         assert_eq!(Amount::Count(7).of(7), Ok(7));
-        for bad in [Amount::Count(0), Amount::Fraction(0.0), Amount::Fraction(0.001)] {
+        for bad in [Amount::Count(0), Amount::Fraction(0.0)] {
             assert!(matches!(bad.of(7), Err(AmountError::Zero { .. })));
         }
         for bad in [Amount::Count(8), Amount::Fraction(1.01), Amount::Fraction(1e300)] {

@@ -75,8 +75,8 @@ impl Figure {
 /// Returns the figure of a row that is judged: its mean error, or decibels for colours.
 #[must_use]
 pub fn error_figure(report: &RowReport) -> Figure {
-    let (printed, error) =
-        (&report.row.printed, report.result.record().and_then(|record| record.error));
+    let printed = &report.row.printed;
+    let error = report.result.record().and_then(|record| record.error.as_ref());
     let in_decibels = report.row.data == crate::experiment::RowData::ColourPattern;
     let mut figure = if in_decibels {
         let ours = error.and_then(|error| error.psnr_db);

@@ -23,7 +23,7 @@ pub fn terminal(report: &Report) -> String {
                 continue;
             }
             let mut drawn = comfy_table::Table::new();
-            drawn.load_preset(UTF8_FULL_CONDENSED);
+            drawn.load_style(UTF8_FULL_CONDENSED);
             drawn.set_header(&table.header);
             drawn.add_rows(&table.rows);
             let _ = writeln!(text, "{}\n{drawn}", table.title);
