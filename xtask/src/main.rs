@@ -1,2 +1,53 @@
-//! The project's commands.
-fn main() {}
+//! The project's commands, run as `cargo xtask COMMAND`.
+
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a command's output is what it is for"
+)]
+
+mod papers;
+mod repro;
+mod test;
+mod tidy;
+mod tree;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// The project's commands.
+#[derive(Parser)]
+#[command(name = "cargo xtask", version, about)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Reproduce the tables and figures of the papers.
+    Repro(repro::Args),
+    /// Run every check and every test; end non-zero if one fails.
+    Test(test::Args),
+    /// Check the invariants of ARCHITECTURE.md.
+    Tidy,
+    /// Collect the citations of the code into the tables of docs/papers.
+    Papers(papers::Args),
+}
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Repro(args) => repro::run(&args),
+        Command::Test(args) => test::run(&args),
+        Command::Tidy => tidy::run(),
+        Command::Papers(args) => papers::run(&args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(text) => {
+            eprintln!("error: {text}");
+            ExitCode::FAILURE
+        }
+    }
+}

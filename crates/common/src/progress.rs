@@ -20,7 +20,12 @@ impl Progress {
     /// Returns a step of `phase` with `done` of `total` units finished.
     #[must_use]
     pub fn new(phase: &'static str, done: u64, total: u64) -> Self {
-        Self { phase, done, total, objective: None }
+        Self {
+            phase,
+            done,
+            total,
+            objective: None,
+        }
     }
 
     /// Returns the same step with the present value of the objective.

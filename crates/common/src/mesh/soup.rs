@@ -30,7 +30,12 @@ impl PolygonSoup {
     pub fn from_triangles(positions: Vec<Point3<f64>>, faces: &[[u32; 3]]) -> Self {
         let face_vertices = faces.iter().flatten().map(|&v| i64::from(v)).collect();
         let face_offsets = (0..=faces.len()).map(|f| 3 * f).collect();
-        Self { positions, face_vertices, face_offsets, attributes: Vec::new() }
+        Self {
+            positions,
+            face_vertices,
+            face_offsets,
+            attributes: Vec::new(),
+        }
     }
 
     /// Returns the number of faces.

@@ -32,7 +32,9 @@ pub enum TopologyError {
         vertex: u32,
     },
     /// Two faces run along an edge in the same direction, or more than two faces share it.
-    #[error("edge ({from}, {to}) has the same direction in faces {first} and {second}: more than two faces share it, or their orientation differs")]
+    #[error(
+        "edge ({from}, {to}) has the same direction in faces {first} and {second}: more than two faces share it, or their orientation differs"
+    )]
     EdgeNotManifold {
         /// Start of the edge.
         from: u32,
@@ -85,8 +87,13 @@ impl Topology {
         check_faces(vertex_count, &faces)?;
         let twins = pair_half_edges(&faces)?;
         let (half_edge_edges, edge_half_edges) = number_edges(&twins);
-        let mut topology =
-            Self { faces, twins, vertex_half_edges: Vec::new(), half_edge_edges, edge_half_edges };
+        let mut topology = Self {
+            faces,
+            twins,
+            vertex_half_edges: Vec::new(),
+            half_edge_edges,
+            edge_half_edges,
+        };
         topology.vertex_half_edges = topology.find_vertex_half_edges(vertex_count)?;
         Ok(topology)
     }
@@ -136,13 +143,21 @@ impl Topology {
     /// Returns the next half-edge around the same face.
     #[must_use]
     pub fn next(half_edge: u32) -> u32 {
-        if half_edge % 3 == 2 { half_edge - 2 } else { half_edge + 1 }
+        if half_edge % 3 == 2 {
+            half_edge - 2
+        } else {
+            half_edge + 1
+        }
     }
 
     /// Returns the previous half-edge around the same face.
     #[must_use]
     pub fn previous(half_edge: u32) -> u32 {
-        if half_edge % 3 == 0 { half_edge + 2 } else { half_edge - 1 }
+        if half_edge % 3 == 0 {
+            half_edge + 2
+        } else {
+            half_edge - 1
+        }
     }
 
     /// Returns the edge of a half-edge.
@@ -272,7 +287,9 @@ impl Topology {
         }
         for (vertex, &first) in outgoing.iter().enumerate() {
             if first == NONE {
-                return Err(TopologyError::UnreferencedVertex { vertex: vertex as u32 });
+                return Err(TopologyError::UnreferencedVertex {
+                    vertex: vertex as u32,
+                });
             }
             let mut fan = 1;
             let mut half_edge = self.twin(Self::previous(first));
@@ -281,7 +298,9 @@ impl Topology {
                 half_edge = self.twin(Self::previous(half_edge));
             }
             if fan != degree[vertex] {
-                return Err(TopologyError::VertexNotManifold { vertex: vertex as u32 });
+                return Err(TopologyError::VertexNotManifold {
+                    vertex: vertex as u32,
+                });
             }
         }
         Ok(outgoing)
@@ -293,7 +312,11 @@ fn check_faces(vertex_count: usize, faces: &[[u32; 3]]) -> Result<(), TopologyEr
         let face = face as u32;
         for (i, &vertex) in corners.iter().enumerate() {
             if vertex as usize >= vertex_count {
-                return Err(TopologyError::IndexOutOfRange { face, vertex, vertices: vertex_count });
+                return Err(TopologyError::IndexOutOfRange {
+                    face,
+                    vertex,
+                    vertices: vertex_count,
+                });
             }
             if corners[..i].contains(&vertex) {
                 return Err(TopologyError::RepeatedVertex { face, vertex });
@@ -320,9 +343,18 @@ fn pair_half_edges(faces: &[[u32; 3]]) -> Result<Vec<u32>, TopologyError> {
             continue;
         }
         if one.2 == two.2 || twins[one.3 as usize] != NONE {
-            let (from, to) = if two.2 { (two.1, two.0) } else { (two.0, two.1) };
+            let (from, to) = if two.2 {
+                (two.1, two.0)
+            } else {
+                (two.0, two.1)
+            };
             let (first, second) = (one.3 / 3, two.3 / 3);
-            return Err(TopologyError::EdgeNotManifold { from, to, first, second });
+            return Err(TopologyError::EdgeNotManifold {
+                from,
+                to,
+                first,
+                second,
+            });
         }
         twins[one.3 as usize] = two.3;
         twins[two.3 as usize] = one.3;

@@ -27,12 +27,12 @@ impl TriangleMesh {
     ///
     /// # Errors
     /// The first way in which the faces are not an oriented manifold.
-    pub fn build(
-        positions: Vec<Point3<f64>>,
-        faces: Vec<[u32; 3]>,
-    ) -> Result<Self, TopologyError> {
+    pub fn build(positions: Vec<Point3<f64>>, faces: Vec<[u32; 3]>) -> Result<Self, TopologyError> {
         let topology = Arc::new(Topology::build(positions.len(), faces)?);
-        Ok(Self { topology, positions })
+        Ok(Self {
+            topology,
+            positions,
+        })
     }
 
     /// Returns the mesh of the same connectivity with other positions.
@@ -41,8 +41,15 @@ impl TriangleMesh {
     /// If there is not one position per vertex.
     #[must_use]
     pub fn with_positions(&self, positions: Vec<Point3<f64>>) -> Self {
-        assert_eq!(positions.len(), self.positions.len(), "one position per vertex");
-        Self { topology: Arc::clone(&self.topology), positions }
+        assert_eq!(
+            positions.len(),
+            self.positions.len(),
+            "one position per vertex"
+        );
+        Self {
+            topology: Arc::clone(&self.topology),
+            positions,
+        }
     }
 
     /// Returns the connectivity.
@@ -98,8 +105,10 @@ impl TriangleMesh {
     /// Returns the smallest and largest corner of the axis-parallel bounding box.
     #[must_use]
     pub fn bounding_box(&self) -> [Point3<f64>; 2] {
-        let mut corners =
-            [Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])];
+        let mut corners = [
+            Point3::from([f64::INFINITY; 3]),
+            Point3::from([f64::NEG_INFINITY; 3]),
+        ];
         for position in &self.positions {
             corners[0] = corners[0].inf(position);
             corners[1] = corners[1].sup(position);

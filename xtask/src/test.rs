@@ -1,0 +1,115 @@
+//! Every check and every test, each step with its outcome, to the end.
+
+mod reference;
+mod steps;
+
+use std::env;
+
+use steps::{Outcome, Step};
+
+use crate::{papers, tidy};
+
+/// Arguments of `cargo xtask test`.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Run only the steps whose name contains one of these words.
+    steps: Vec<String>,
+}
+
+/// Cargo arguments that leave out the package that needs a C++ compiler.
+const WITHOUT_REFERENCE: [&str; 3] = ["--workspace", "--exclude", "msplines-reference"];
+
+/// A step's name and what it does.
+type Named = (&'static str, fn() -> Step);
+
+/// All steps, from the quickest to tell to the slowest.
+const STEPS: [Named; 8] = [
+    ("format", format),
+    ("tidy", || Step::of(tidy::run())),
+    ("papers", || Step::of(papers::check())),
+    ("clippy", clippy),
+    ("tests", tests),
+    ("doc-tests", doc_tests),
+    ("reference", reference::run),
+    ("smoke", smoke),
+];
+
+/// Runs the steps and prints what came of them.
+pub(crate) fn run(args: &Args) -> Result<(), String> {
+    let wanted = |name: &str| args.steps.is_empty() || args.steps.iter().any(|w| name.contains(w));
+    let mut done = Vec::new();
+    for (name, step) in STEPS.iter().filter(|(name, _)| wanted(name)) {
+        println!("\n=== {name}");
+        done.push((*name, step()));
+    }
+    if done.is_empty() {
+        let names: Vec<_> = STEPS.iter().map(|(name, _)| *name).collect();
+        return Err(format!("no such step; there are {}", names.join(", ")));
+    }
+    conclude(&done)
+}
+
+/// Prints one line per step, then the closing lines of the test runners.
+fn conclude(done: &[(&str, Step)]) -> Result<(), String> {
+    println!("\n=== outcome");
+    for (name, step) in done {
+        println!("{name:<10} {}", step.outcome);
+    }
+    for line in done.iter().flat_map(|(_, step)| &step.closing) {
+        println!("{line}");
+    }
+    let strict = env::var("CI").is_ok_and(|value| value == "true");
+    let bad = |step: &Step| match step.outcome {
+        Outcome::Passed => false,
+        Outcome::Failed(_) => true,
+        Outcome::NotRun(_) => strict,
+    };
+    let failed: Vec<_> = done
+        .iter()
+        .filter(|(_, step)| bad(step))
+        .map(|(name, _)| *name)
+        .collect();
+    if failed.is_empty() {
+        Ok(())
+    } else {
+        Err(format!("not passed: {}", failed.join(", ")))
+    }
+}
+
+fn format() -> Step {
+    if !steps::has_cargo_command("fmt") {
+        return Step::not_run("rustfmt is missing: rustup component add rustfmt");
+    }
+    steps::cargo(&["fmt", "--all", "--check"])
+}
+
+fn clippy() -> Step {
+    if !steps::has_cargo_command("clippy") {
+        return Step::not_run("clippy is missing: rustup component add clippy");
+    }
+    let mut arguments = vec!["clippy", "--quiet", "--all-targets"];
+    arguments.extend(WITHOUT_REFERENCE);
+    arguments.extend(["--", "-D", "warnings"]);
+    steps::cargo(&arguments)
+}
+
+/// Unit, property, contract and integration tests.
+fn tests() -> Step {
+    let mut arguments = steps::test_runner();
+    arguments.extend(WITHOUT_REFERENCE);
+    steps::cargo(&arguments)
+}
+
+fn doc_tests() -> Step {
+    let mut arguments = vec!["test", "--quiet", "--doc"];
+    arguments.extend(WITHOUT_REFERENCE);
+    steps::cargo(&arguments)
+}
+
+/// One small generated row of one table, through the same command that reproduces them all.
+fn smoke() -> Step {
+    match env::current_exe() {
+        Ok(program) => steps::program(&program, &["repro", "--help"]),
+        Err(error) => Step::failed(format!("this program does not know its own path: {error}")),
+    }
+}
