@@ -1,0 +1,90 @@
+//! Preconditioned conjugate gradients for several right-hand sides at once.
+
+use faer::{Mat, MatRef};
+
+/// How a run of conjugate gradients ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CgReport {
+    /// Applications of the operator.
+    pub iterations: u32,
+    /// Largest ratio of a residual to its right-hand side, in the norm of the preconditioner.
+    pub residual: f64,
+    /// Whether every right-hand side met the tolerance.
+    pub converged: bool,
+}
+
+/// Improves `x` until `A x = b` holds to a relative residual of `tolerance` in every column.
+///
+/// `apply` returns `A` times its argument, `precondition` an approximate inverse times it; both must
+/// be symmetric and positive definite. All columns step together, each with its own coefficients.
+///
+/// # Panics
+/// If the shapes of `x` and `b` differ.
+pub fn conjugate_gradient(
+    mut apply: impl FnMut(MatRef<'_, f64>) -> Mat<f64>,
+    mut precondition: impl FnMut(MatRef<'_, f64>) -> Mat<f64>,
+    b: MatRef<'_, f64>,
+    x: &mut Mat<f64>,
+    tolerance: f64,
+    max_iterations: u32,
+) -> CgReport {
+    assert_eq!(
+        (b.nrows(), b.ncols()),
+        (x.nrows(), x.ncols()),
+        "one unknown per equation"
+    );
+    let mut residual = b.to_owned() - apply(x.as_ref());
+    let mut direction = precondition(residual.as_ref());
+    let reference = column_products(b, precondition(b).as_ref());
+    let mut product = column_products(residual.as_ref(), direction.as_ref());
+    let limit: Vec<f64> = reference
+        .iter()
+        .map(|r| r * tolerance * tolerance)
+        .collect();
+    let mut iterations = 0;
+    while iterations < max_iterations && product.iter().zip(&limit).any(|(p, l)| p > l) {
+        let image = apply(direction.as_ref());
+        let curvature = column_products(direction.as_ref(), image.as_ref());
+        for side in 0..x.ncols() {
+            if product[side] <= limit[side] || curvature[side] <= 0.0 {
+                continue;
+            }
+            let step = product[side] / curvature[side];
+            for row in 0..x.nrows() {
+                x[(row, side)] += step * direction[(row, side)];
+                residual[(row, side)] -= step * image[(row, side)];
+            }
+        }
+        let preconditioned = precondition(residual.as_ref());
+        let next = column_products(residual.as_ref(), preconditioned.as_ref());
+        for side in 0..x.ncols() {
+            let ratio = if product[side] > 0.0 {
+                next[side] / product[side]
+            } else {
+                0.0
+            };
+            for row in 0..x.nrows() {
+                direction[(row, side)] =
+                    preconditioned[(row, side)] + ratio * direction[(row, side)];
+            }
+        }
+        product = next;
+        iterations += 1;
+    }
+    let ratios = product
+        .iter()
+        .zip(&reference)
+        .map(|(p, r)| if *r > 0.0 { p / r } else { 0.0 });
+    let converged = product.iter().zip(&limit).all(|(p, l)| p <= l);
+    CgReport {
+        iterations,
+        residual: ratios.fold(0.0, f64::max).sqrt(),
+        converged,
+    }
+}
+
+fn column_products(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Vec<f64> {
+    (0..a.ncols())
+        .map(|c| (0..a.nrows()).map(|r| a[(r, c)] * b[(r, c)]).sum())
+        .collect()
+}
