@@ -9,9 +9,15 @@ fn main() {
     let rustc = output(&compiler, &["--version"]).unwrap_or_else(|| "unknown".to_owned());
     let commit = output("git", &["rev-parse", "--short=12", "HEAD"]);
     println!("cargo::rustc-env=MSPLINES_RUSTC={rustc}");
-    println!("cargo::rustc-env=MSPLINES_COMMIT={}", commit.as_deref().unwrap_or("unknown"));
+    println!(
+        "cargo::rustc-env=MSPLINES_COMMIT={}",
+        commit.as_deref().unwrap_or("unknown")
+    );
     // Only paths that exist: a missing one would have the script run again on every build.
-    for path in ["HEAD".to_owned()].into_iter().chain(output("git", &["symbolic-ref", "HEAD"])) {
+    for path in ["HEAD".to_owned()]
+        .into_iter()
+        .chain(output("git", &["symbolic-ref", "HEAD"]))
+    {
         if let Some(file) = output("git", &["rev-parse", "--git-path", &path])
             && Path::new(&file).exists()
         {

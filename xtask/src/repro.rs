@@ -48,7 +48,9 @@ pub(crate) fn run(args: &Args) -> Result<(), String> {
     }
     let root = root();
     let campaign = campaign(args, &root)?;
-    let report = campaign.run(&Display::new(Verbosity::Normal)).map_err(|e| e.to_string())?;
+    let report = campaign
+        .run(&Display::new(Verbosity::Normal))
+        .map_err(|e| e.to_string())?;
     print!("{}", report::terminal(&report));
     let mut written = report::write(&report, &args.out).map_err(|e| e.to_string())?;
     let is_whole = args.item.is_none();
@@ -97,7 +99,14 @@ fn write_docs(report: &Report, root: &Path) -> Result<Vec<PathBuf>, String> {
 fn conclude(report: &Report) -> Result<(), String> {
     let failures = report.failures();
     let rows = report.items.iter().flat_map(|item| &item.rows);
-    let (ran, all) = (rows.clone().filter(|r| r.result.record().is_some()).count(), rows.count());
+    let (ran, all) = (
+        rows.clone().filter(|r| r.result.record().is_some()).count(),
+        rows.count(),
+    );
     println!("{ran} of {all} rows ran, {} failed", failures.len());
-    if failures.is_empty() { Ok(()) } else { Err(failures.join("\nerror: ")) }
+    if failures.is_empty() {
+        Ok(())
+    } else {
+        Err(failures.join("\nerror: "))
+    }
 }

@@ -17,7 +17,9 @@ pub(crate) fn fit(fit: &Fit, session: &Session) -> Result<u8, Failure> {
     };
     let case = case(files, method, session);
     let label = format!("{} {}", case.method.name(), file_name(&files.input));
-    session.observe(&label, |observer| run::run(&case, session.process_start, observer))
+    session.observe(&label, |observer| {
+        run::run(&case, session.process_start, observer)
+    })
 }
 
 /// Evaluates a spline file.
@@ -30,19 +32,33 @@ pub(crate) fn evaluate(evaluate: &Evaluate, session: &Session) -> Result<u8, Fai
         seed: session.seed,
     };
     let label = format!("evaluate {}", file_name(&evaluate.spline));
-    session.observe(&label, |observer| run::evaluate(&evaluation, session.process_start, observer))
+    session.observe(&label, |observer| {
+        run::evaluate(&evaluation, session.process_start, observer)
+    })
 }
 
 fn case(files: &FitFiles, method: Method, session: &Session) -> Case {
-    let input = Input::File { path: files.input.clone(), repair: session.repair };
+    let input = Input::File {
+        path: files.input.clone(),
+        repair: session.repair,
+    };
     let data = match files.attributes.as_slice() {
         [] => Data::Positions,
         names => Data::Attributes(names.to_vec()),
     };
-    let domain =
-        if files.domain_by_digest { DomainStorage::Digest } else { DomainStorage::Embedded };
+    let domain = if files.domain_by_digest {
+        DomainStorage::Digest
+    } else {
+        DomainStorage::Embedded
+    };
     let outputs = files.outputs.clone();
-    Case { data, domain, outputs, seed: session.seed, ..Case::new(input, method) }
+    Case {
+        data,
+        domain,
+        outputs,
+        seed: session.seed,
+        ..Case::new(input, method)
+    }
 }
 
 fn biharmonic(arguments: &crate::arguments::Biharmonic) -> Method {
@@ -67,7 +83,9 @@ fn ls_mesh(arguments: &crate::arguments::LsMesh) -> Method {
         controls: arguments.controls,
         selection: match (arguments.greedy, arguments.solves) {
             (true, _) => Selection::Greedy,
-            (false, Some(solves)) => Selection::Combined { solves: solves as usize },
+            (false, Some(solves)) => Selection::Combined {
+                solves: solves as usize,
+            },
             (false, None) => defaults.selection,
         },
         constraints: match (arguments.hard, arguments.weight) {

@@ -39,10 +39,17 @@ struct Findings {
 /// Prints what a file holds; any file that can be parsed is a success, whatever its defects.
 pub(crate) fn run(info: &Info, session: &Session) -> Result<u8, Failure> {
     let file = file_name(&info.input);
-    let refused = |text: String| Failure { code: exit::INPUT, text: format!("{file}: {text}") };
+    let refused = |text: String| Failure {
+        code: exit::INPUT,
+        text: format!("{file}: {text}"),
+    };
     let sha256 = sha256_file(&info.input).map_err(|e| refused(unreadable(&e)))?;
     let soup = read_soup(&info.input).map_err(|e| refused(e.to_string()))?;
-    let policy = if session.repair { Policy::Repair } else { Policy::Refuse };
+    let policy = if session.repair {
+        Policy::Repair
+    } else {
+        Policy::Refuse
+    };
     let findings = examine(&soup, policy, &file, sha256);
     let text = if info.json {
         let json = serde_json::to_string_pretty(&findings);
@@ -100,7 +107,11 @@ fn describe(findings: &Findings) -> String {
         findings.components.len()
     );
     if !findings.attributes.is_empty() {
-        let _ = writeln!(text, "vertex attributes: {}", findings.attributes.join(", "));
+        let _ = writeln!(
+            text,
+            "vertex attributes: {}",
+            findings.attributes.join(", ")
+        );
     }
     if findings.coincident_vertices > 0 {
         let _ = writeln!(
@@ -129,7 +140,9 @@ fn describe(findings: &Findings) -> String {
 }
 
 fn describe_facts(text: &mut String, facts: &Facts) {
-    let genus = facts.genus.map_or("undefined".to_owned(), |genus| genus.to_string());
+    let genus = facts
+        .genus
+        .map_or("undefined".to_owned(), |genus| genus.to_string());
     let _ = writeln!(
         text,
         "mesh: {} vertices, {} edges, {} faces, genus {genus}, {} boundary loops",

@@ -26,7 +26,10 @@ pub(crate) struct Failure {
 
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
-        Self { code: error.exit_code(), text: error.to_string() }
+        Self {
+            code: error.exit_code(),
+            text: error.to_string(),
+        }
     }
 }
 
@@ -55,8 +58,15 @@ impl Session {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build_global()
-            .map_err(|e| Failure { code: exit::USAGE, text: format!("--threads: {e}") })?;
-        let verbosity = if common.quiet { Verbosity::Quiet } else { Verbosity::Normal };
+            .map_err(|e| Failure {
+                code: exit::USAGE,
+                text: format!("--threads: {e}"),
+            })?;
+        let verbosity = if common.quiet {
+            Verbosity::Quiet
+        } else {
+            Verbosity::Normal
+        };
         Ok(Self {
             process_start,
             seed: common.seed,
@@ -72,14 +82,21 @@ impl Session {
     pub(crate) fn observe(
         &self,
         label: &str,
-        work: impl FnOnce(
-            &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-        ) -> Result<RunOutput, RunError>,
+        work: impl FnOnce(&mut dyn FnMut(&Progress) -> ControlFlow<()>) -> Result<RunOutput, RunError>,
     ) -> Result<u8, Failure> {
         let mut task = self.display.task(label);
         let result = work(&mut |progress| {
-            task.show(progress.phase, progress.done, progress.total, progress.objective);
-            if self.interrupt.is_due() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            task.show(
+                progress.phase,
+                progress.done,
+                progress.total,
+                progress.objective,
+            );
+            if self.interrupt.is_due() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         });
         let record = match result {
             Ok(output) => output.record,
@@ -98,11 +115,19 @@ impl Session {
 
     /// Writes a value to the file of `--report`, if one is given.
     pub(crate) fn write_report(&self, value: &impl serde::Serialize) -> Result<(), Failure> {
-        let Some(path) = &self.report else { return Ok(()) };
+        let Some(path) = &self.report else {
+            return Ok(());
+        };
         let written = serde_json::to_vec_pretty(value).map_err(std::io::Error::from);
-        written.and_then(|bytes| replace(path, &bytes)).map_err(|error| {
-            RunError::Write { path: path.clone(), reason: error.to_string() }.into()
-        })
+        written
+            .and_then(|bytes| replace(path, &bytes))
+            .map_err(|error| {
+                RunError::Write {
+                    path: path.clone(),
+                    reason: format!("{error}; give a path in a folder that can be written to"),
+                }
+                .into()
+            })
     }
 
     /// Says what an outcome short of convergence means, and returns its exit code.
@@ -110,11 +135,15 @@ impl Session {
         match outcome {
             Outcome::Converged => exit::SUCCESS,
             Outcome::Stalled => {
-                self.display.line("warning: no step improved the result any more before it met the stopping rule");
+                self.display.line(
+                    "warning: no step improved the result any more before it met the stopping rule",
+                );
                 exit::SUCCESS
             }
             Outcome::MaxIterations => {
-                self.display.line("warning: the allowed iterations were used up; --effort best allows more");
+                self.display.line(
+                    "warning: the allowed iterations were used up; --effort best allows more",
+                );
                 exit::SUCCESS
             }
             Outcome::Stopped => {

@@ -10,8 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::case::{Case, Input};
 use crate::display::Display;
 use crate::experiment::{Experiment, ExperimentError, Row, experiments};
-use crate::generated::mesh_digest;
-use crate::models::{Located, Manifest, models_folder};
+use crate::models::{Located, Manifest, Provenance, models_folder};
 use crate::record::{Record, Tool};
 use crate::row_process::{RowProgram, RowRequest, run_row};
 use crate::store::{RowStore, Stored, row_key};
@@ -60,6 +59,16 @@ pub enum CampaignError {
     },
 }
 
+/// Whether times can be compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Times {
+    /// One row ran at a time.
+    Comparable,
+    /// Rows ran side by side and disturbed each other.
+    SideBySide,
+}
+
 /// Everything a campaign found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
@@ -67,8 +76,8 @@ pub struct Report {
     pub schema: String,
     /// The program that made it.
     pub tool: Tool,
-    /// Whether rows ran side by side, so that their times mean nothing.
-    pub times_comparable: bool,
+    /// Whether its times can be compared.
+    pub times: Times,
     /// The experiments.
     pub items: Vec<ItemReport>,
 }
@@ -93,8 +102,8 @@ pub struct ItemReport {
 pub struct RowReport {
     /// The row.
     pub row: Row,
-    /// Whether its model is the paper's.
-    pub real: bool,
+    /// Where its mesh comes from.
+    pub provenance: Provenance,
     /// What came out.
     pub result: RowResult,
     /// What is said about it.
@@ -130,13 +139,24 @@ impl Report {
     pub fn failures(&self) -> Vec<String> {
         let mut failures = Vec::new();
         for item in &self.items {
-            for RowReport { row, result, judgement, .. } in &item.rows {
-                let Some(why) = judgement.failure() else { continue };
+            for RowReport {
+                row,
+                result,
+                judgement,
+                ..
+            } in &item.rows
+            {
+                let Some(why) = judgement.failure() else {
+                    continue;
+                };
                 let reason = match result {
                     RowResult::Failed(reason) => format!(": {reason}"),
                     RowResult::Done(_) | RowResult::NotRun(_) => String::new(),
                 };
-                failures.push(format!("{} {} {}: {why}{reason}", item.paper, item.item, row.id));
+                failures.push(format!(
+                    "{} {} {}: {why}{reason}",
+                    item.paper, item.item, row.id
+                ));
             }
         }
         failures
@@ -153,13 +173,18 @@ impl Campaign {
     pub fn run(&self, display: &Display) -> Result<Report, CampaignError> {
         let data = self.root.join("data");
         let paper = self.paper.as_deref();
-        let experiments =
-            experiments(&data.join("experiments"), paper, self.item.as_deref())?;
+        let experiments = experiments(&data.join("experiments"), paper, self.item.as_deref())?;
         let manifest = Manifest::read(&data.join("models.toml"))?;
         let models = models_folder(self.models.as_deref(), &self.root);
         let rows = self.out.join("rows");
         let store = RowStore::open(&rows).map_err(|e| output_error(&rows, e))?;
-        let context = Context { campaign: self, manifest, models, store, display };
+        let context = Context {
+            campaign: self,
+            manifest,
+            models,
+            store,
+            display,
+        };
         let all: Vec<&Row> = experiments.iter().flat_map(|e| &e.rows).collect();
         let mut finished = context.run_all(&all)?.into_iter();
         let items = experiments
@@ -172,7 +197,11 @@ impl Campaign {
         Ok(Report {
             schema: REPORT_SCHEMA.to_owned(),
             tool: Tool::this(),
-            times_comparable: self.jobs <= 1,
+            times: if self.jobs <= 1 {
+                Times::Comparable
+            } else {
+                Times::SideBySide
+            },
             items,
         })
     }
@@ -211,37 +240,60 @@ impl Context<'_> {
     }
 
     fn run_one(&self, row: &Row) -> Result<RowReport, CampaignError> {
-        let (result, real) = match self.plan(row) {
-            Plan::Run { case, input_sha256, real } => {
-                (self.stored_or_run(row, &case, &input_sha256)?, real)
-            }
-            Plan::Not { result, real } => (result, real),
+        let (result, provenance) = match self.plan(row) {
+            Plan::Run {
+                case,
+                input_digest,
+                provenance,
+            } => (self.stored_or_run(row, &case, &input_digest)?, provenance),
+            Plan::Not { result, provenance } => (result, provenance),
         };
         let judgement = match &result {
-            RowResult::Done(record) => Judgement::of(row, real, record.error.as_ref()),
+            RowResult::Done(record) => Judgement::of(row, provenance, record.error.as_ref()),
             RowResult::NotRun(_) => Judgement::without_figures(row, Verdict::NotRun),
             RowResult::Failed(_) => Judgement::without_figures(row, Verdict::Failed),
         };
-        Ok(RowReport { row: row.clone(), real, result, judgement })
+        Ok(RowReport {
+            row: row.clone(),
+            provenance,
+            result,
+            judgement,
+        })
     }
 
     fn plan(&self, row: &Row) -> Plan {
-        let not = |result| Plan::Not { result, real: false };
-        let (input, input_sha256, real) = match (&row.model, &row.surface) {
+        let not = |result| Plan::Not {
+            result,
+            provenance: Provenance::Generated,
+        };
+        let (input, input_digest, provenance) = match (&row.model, &row.surface) {
             (Some(name), _) => {
                 let Some(model) = self.manifest.model(name) else {
-                    return not(RowResult::Failed(format!("no model {name} in data/models.toml")));
+                    return not(RowResult::Failed(format!(
+                        "no model {name} in data/models.toml"
+                    )));
                 };
                 if row.full_only && !self.campaign.full {
                     let result = RowResult::NotRun("only with --full".to_owned());
-                    return Plan::Not { result, real: model.real };
+                    return Plan::Not {
+                        result,
+                        provenance: model.provenance(),
+                    };
                 }
                 match model.locate(&self.models) {
-                    Located::Found(path) => {
-                        (Input::File { path, repair: false }, model.sha256.clone(), model.real)
-                    }
+                    Located::Found(path) => (
+                        Input::File {
+                            path,
+                            repair: false,
+                        },
+                        model.sha256.clone(),
+                        model.provenance(),
+                    ),
                     Located::Missing(why) => {
-                        return Plan::Not { result: RowResult::NotRun(why), real: model.real };
+                        return Plan::Not {
+                            result: RowResult::NotRun(why),
+                            provenance: model.provenance(),
+                        };
                     }
                 }
             }
@@ -251,13 +303,21 @@ impl Context<'_> {
             (None, surface) => match surface.as_deref().unwrap_or_default().parse() {
                 Ok(surface) => {
                     let surface: crate::generated::GeneratedSurface = surface;
-                    (Input::Surface(surface), mesh_digest(&surface.mesh()), false)
+                    (
+                        Input::Surface(surface),
+                        format!("generated {surface}"),
+                        Provenance::Generated,
+                    )
                 }
                 Err(error) => return not(RowResult::Failed(error.to_string())),
             },
         };
         match row.case(input) {
-            Ok(case) => Plan::Run { case: Box::new(case), input_sha256, real },
+            Ok(case) => Plan::Run {
+                case: Box::new(case),
+                input_digest,
+                provenance,
+            },
             Err(error) => not(RowResult::Failed(error.to_string())),
         }
     }
@@ -266,16 +326,21 @@ impl Context<'_> {
         &self,
         row: &Row,
         case: &Case,
-        input_sha256: &str,
+        input_digest: &str,
     ) -> Result<RowResult, CampaignError> {
         let threads = self.threads();
         let program = &self.campaign.program;
-        let key = row_key(case, input_sha256, &program.program, threads)
+        let key = row_key(case, input_digest, &program.program, threads)
             .map_err(|e| output_error(&program.program, e))?;
         if !self.campaign.fresh {
-            match self.store.load(&key).map_err(|e| output_error(&self.campaign.out, e))? {
+            match self
+                .store
+                .load(&key)
+                .map_err(|e| output_error(&self.campaign.out, e))?
+            {
                 Stored::Finished(record) => {
-                    self.display.line(&format!("{}: from a run before", row.label));
+                    self.display
+                        .line(&format!("{}: from a run before", row.label));
                     return Ok(RowResult::Done(record));
                 }
                 Stored::Damaged(aside) => self.display.line(&format!(
@@ -287,14 +352,19 @@ impl Context<'_> {
             }
         }
         let mut task = self.display.task(&row.label);
-        let request = RowRequest { case: case.clone(), threads };
+        let request = RowRequest {
+            case: case.clone(),
+            threads,
+        };
         let limit = Duration::from_secs_f64(row.time_limit_seconds);
         let result = run_row(program, &request, limit, &mut |step| {
             task.show(&step.phase, step.done, step.total, None);
         });
         match result {
             Ok(record) => {
-                self.store.save(&key, &record).map_err(|e| output_error(&self.campaign.out, e))?;
+                self.store
+                    .save(&key, &record)
+                    .map_err(|e| output_error(&self.campaign.out, e))?;
                 task.finish(&format!("{:.1} s", record.seconds.total));
                 Ok(RowResult::Done(Box::new(record)))
             }
@@ -314,17 +384,38 @@ impl Context<'_> {
 
 /// What becomes of a row.
 enum Plan {
-    Run { case: Box<Case>, input_sha256: String, real: bool },
-    Not { result: RowResult, real: bool },
+    Run {
+        case: Box<Case>,
+        input_digest: String,
+        provenance: Provenance,
+    },
+    Not {
+        result: RowResult,
+        provenance: Provenance,
+    },
 }
 
 fn item_report(experiment: &Experiment, mut rows: Vec<RowReport>) -> ItemReport {
-    let mean = |report: &RowReport| report.result.record()?.error.as_ref().map(|error| error.mean);
-    let means: Vec<(String, Option<f64>)> =
-        rows.iter().map(|report| (report.row.id.clone(), mean(report))).collect();
+    let mean = |report: &RowReport| {
+        report
+            .result
+            .record()?
+            .error
+            .as_ref()
+            .map(|error| error.mean)
+    };
+    let means: Vec<(String, Option<f64>)> = rows
+        .iter()
+        .map(|report| (report.row.id.clone(), mean(report)))
+        .collect();
     for (report, (_, ours)) in rows.iter_mut().zip(&means) {
-        let Some(other) = &report.row.more_accurate_than else { continue };
-        let theirs = means.iter().find(|(id, _)| id == other).and_then(|(_, mean)| *mean);
+        let Some(other) = &report.row.more_accurate_than else {
+            continue;
+        };
+        let theirs = means
+            .iter()
+            .find(|(id, _)| id == other)
+            .and_then(|(_, mean)| *mean);
         report.judgement.claim_holds = ours.zip(theirs).map(|(ours, theirs)| ours < theirs);
     }
     ItemReport {
@@ -337,5 +428,8 @@ fn item_report(experiment: &Experiment, mut rows: Vec<RowReport>) -> ItemReport 
 }
 
 fn output_error(path: &Path, source: std::io::Error) -> CampaignError {
-    CampaignError::Output { path: path.to_owned(), source }
+    CampaignError::Output {
+        path: path.to_owned(),
+        source,
+    }
 }

@@ -113,15 +113,29 @@ impl Method {
     /// Returns the biharmonic B-spline of `knots` knots with default options.
     #[must_use]
     pub fn biharmonic(knots: Amount) -> Self {
-        let msplines_biharmonic::Options { effort, laplacian, .. } = Default::default();
-        Self::Biharmonic { knots, effort, laplacian }
+        let msplines_biharmonic::Options {
+            effort, laplacian, ..
+        } = Default::default();
+        Self::Biharmonic {
+            knots,
+            effort,
+            laplacian,
+        }
     }
 
     /// Returns the least-squares mesh of `controls` control vertices with default options.
     #[must_use]
     pub fn ls_mesh(controls: Amount) -> Self {
-        let msplines_ls_mesh::Options { selection, constraints, .. } = Default::default();
-        Self::LsMesh { controls, selection, constraints }
+        let msplines_ls_mesh::Options {
+            selection,
+            constraints,
+            ..
+        } = Default::default();
+        Self::LsMesh {
+            controls,
+            selection,
+            constraints,
+        }
     }
 
     /// Returns the name of the method in records and files.
@@ -163,7 +177,9 @@ pub enum AmountError {
         vertices: usize,
     },
     /// More than there are.
-    #[error("{asked} is more than the {vertices} vertices of the mesh; ask for at most {vertices} or 100%")]
+    #[error(
+        "{asked} is more than the {vertices} vertices of the mesh; ask for at most {vertices} or 100%"
+    )]
     TooMany {
         /// What was given.
         asked: Amount,
@@ -187,8 +203,14 @@ impl Amount {
             Self::Fraction(_) => 0,
         };
         match count {
-            0 => Err(AmountError::Zero { asked: self, vertices }),
-            _ if count > vertices => Err(AmountError::TooMany { asked: self, vertices }),
+            0 => Err(AmountError::Zero {
+                asked: self,
+                vertices,
+            }),
+            _ if count > vertices => Err(AmountError::TooMany {
+                asked: self,
+                vertices,
+            }),
             _ => Ok(count),
         }
     }
@@ -207,9 +229,15 @@ impl FromStr for Amount {
     type Err = AmountError;
 
     fn from_str(text: &str) -> Result<Self, AmountError> {
-        let unreadable = || AmountError::Unreadable { text: text.to_owned() };
+        let unreadable = || AmountError::Unreadable {
+            text: text.to_owned(),
+        };
         let Some(percent) = text.trim().strip_suffix('%') else {
-            return text.trim().parse().map(Self::Count).map_err(|_| unreadable());
+            return text
+                .trim()
+                .parse()
+                .map(Self::Count)
+                .map_err(|_| unreadable());
         };
         let percent: f64 = percent.trim().parse().map_err(|_| unreadable())?;
         if !percent.is_finite() || percent < 0.0 {
@@ -242,7 +270,11 @@ mod tests {
         for bad in [Amount::Count(0), Amount::Fraction(0.0)] {
             assert!(matches!(bad.of(7), Err(AmountError::Zero { .. })));
         }
-        for bad in [Amount::Count(8), Amount::Fraction(1.01), Amount::Fraction(1e300)] {
+        for bad in [
+            Amount::Count(8),
+            Amount::Fraction(1.01),
+            Amount::Fraction(1e300),
+        ] {
             assert!(matches!(bad.of(7), Err(AmountError::TooMany { .. })));
         }
     }

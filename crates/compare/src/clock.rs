@@ -73,11 +73,16 @@ pub fn process_usage() -> Usage {
     use nix::sys::resource::{UsageWho, getrusage};
     use nix::sys::time::TimeValLike;
     // Linux counts kibibytes, the BSDs too; only Apple's systems count bytes.
-    const RSS_UNIT: u64 = if cfg!(target_vendor = "apple") { 1 } else { 1024 };
+    const RSS_UNIT: u64 = if cfg!(target_vendor = "apple") {
+        1
+    } else {
+        1024
+    };
     getrusage(UsageWho::RUSAGE_SELF).map_or_else(
         |_| Usage::default(),
         |usage| {
-            let micros = usage.user_time().num_microseconds() + usage.system_time().num_microseconds();
+            let micros =
+                usage.user_time().num_microseconds() + usage.system_time().num_microseconds();
             Usage {
                 cpu_seconds: micros as f64 * 1e-6,
                 peak_rss_bytes: usage.max_rss().unsigned_abs() * RSS_UNIT,
@@ -112,7 +117,10 @@ mod tests {
         clock.enter("fit");
         let seconds = clock.read();
         let sum: f64 = seconds.phases.values().sum();
-        assert!(seconds.phases["fit"] >= 0.004 && sum <= seconds.total - 0.004, "{seconds:?}");
+        assert!(
+            seconds.phases["fit"] >= 0.004 && sum <= seconds.total - 0.004,
+            "{seconds:?}"
+        );
     }
 
     #[cfg(unix)]

@@ -157,7 +157,10 @@ fn plain_line(phase: &str, done: u64, total: u64, elapsed: Duration) -> String {
     format!("{phase} {done}/{total}, {rate:.1} per second, {remaining:.0} s remaining")
 }
 
-#[expect(clippy::print_stderr, reason = "plain progress is for people at standard error")]
+#[expect(
+    clippy::print_stderr,
+    reason = "plain progress is for people at standard error"
+)]
 fn say(text: &str) {
     eprintln!("{text}");
 }

@@ -40,11 +40,11 @@ pub enum RunError {
         path: PathBuf,
     },
     /// An output that could not be written.
-    #[error("cannot write {}: {reason}; give a path in a folder that exists and can be written to", path.display())]
+    #[error("cannot write {}: {reason}", path.display())]
     Write {
         /// The output.
         path: PathBuf,
-        /// What the system said.
+        /// What is wrong and what to do.
         reason: String,
     },
     /// A file that cannot be opened, parsed or accepted.
@@ -75,7 +75,9 @@ pub enum RunError {
     #[error(transparent)]
     Spline(#[from] SplineFileError),
     /// The spline is not finite everywhere.
-    #[error("the spline is not finite at vertex {vertex}: the mesh is too badly shaped for this Laplacian; try --intrinsic-delaunay")]
+    #[error(
+        "the spline is not finite at vertex {vertex}: the mesh is too badly shaped for this Laplacian; try --intrinsic-delaunay"
+    )]
     NotFinite {
         /// The first such vertex.
         vertex: usize,
@@ -111,13 +113,17 @@ pub enum SplineFileError {
     #[error("not a spline file: {0}; give a file that `msplines fit -o FILE.json` wrote")]
     Json(#[from] serde_json::Error),
     /// JSON of another kind.
-    #[error("this is `{found}`, not `msplines.spline/1`; give a file that `msplines fit -o FILE.json` wrote")]
+    #[error(
+        "this is `{found}`, not `msplines.spline/1`; give a file that `msplines fit -o FILE.json` wrote"
+    )]
     WrongSchema {
         /// The schema it states.
         found: String,
     },
     /// Numbers of coefficients that do not belong together.
-    #[error("the spline file lists {knots} knots of {dimension} components but {values} values; it is damaged, fit again")]
+    #[error(
+        "the spline file lists {knots} knots of {dimension} components but {values} values; it is damaged, fit again"
+    )]
     WrongLength {
         /// Knots or control vertices.
         knots: usize,
@@ -127,7 +133,9 @@ pub enum SplineFileError {
         values: usize,
     },
     /// A knot that the domain does not have.
-    #[error("the spline file names vertex {vertex}, but its domain has {vertices} vertices; give the mesh that was fitted")]
+    #[error(
+        "the spline file names vertex {vertex}, but its domain has {vertices} vertices; give the mesh that was fitted"
+    )]
     NoSuchVertex {
         /// The vertex.
         vertex: u32,
@@ -146,7 +154,9 @@ pub enum SplineFileError {
     #[error("the domain of the spline file: {0}; the file is damaged, fit again")]
     Domain(#[from] TopologyError),
     /// The domain is another file.
-    #[error("the spline belongs to a mesh file with SHA-256 {expected}, but this one has {found}; give the mesh that was fitted with --mesh")]
+    #[error(
+        "the spline belongs to a mesh file with SHA-256 {expected}, but this one has {found}; give the mesh that was fitted with --mesh"
+    )]
     OtherDomain {
         /// The digest in the spline file.
         expected: String,
@@ -154,7 +164,9 @@ pub enum SplineFileError {
         found: String,
     },
     /// No domain at all.
-    #[error("the spline file holds only the digest of its mesh (SHA-256 {sha256}); give that mesh with --mesh")]
+    #[error(
+        "the spline file holds only the digest of its mesh (SHA-256 {sha256}); give that mesh with --mesh"
+    )]
     DomainMissing {
         /// The digest in the spline file.
         sha256: String,
@@ -163,8 +175,8 @@ pub enum SplineFileError {
     #[error("a least-squares mesh is defined at the vertices only; leave out --subdivide")]
     VerticesOnly,
     /// The parts do not make a biharmonic spline.
-    #[error("biharmonic: {0}")]
-    Biharmonic(#[from] msplines_biharmonic::FitError),
+    #[error("biharmonic: {0}; the spline file is damaged or belongs to another mesh")]
+    Biharmonic(#[from] msplines_biharmonic::PartsError),
     /// The parts do not make a least-squares mesh.
     #[error("ls-mesh: {0}")]
     LsMesh(#[from] msplines_ls_mesh::FitError),

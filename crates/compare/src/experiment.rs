@@ -178,8 +178,10 @@ impl Experiment {
     /// A file that cannot be read, or whose fields are unknown or contradict each other.
     pub fn read(path: &Path) -> Result<Self, ExperimentError> {
         let name = path.display().to_string();
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| ExperimentError::Unreadable { path: name.clone(), source })?;
+        let text = std::fs::read_to_string(path).map_err(|source| ExperimentError::Unreadable {
+            path: name.clone(),
+            source,
+        })?;
         Self::parse(&text, &name)
     }
 
@@ -188,8 +190,10 @@ impl Experiment {
     /// # Errors
     /// Fields that are unknown or contradict each other.
     pub fn parse(text: &str, name: &str) -> Result<Self, ExperimentError> {
-        let syntax =
-            |message: String| ExperimentError::Syntax { path: name.to_owned(), message };
+        let syntax = |message: String| ExperimentError::Syntax {
+            path: name.to_owned(),
+            message,
+        };
         let experiment: Self = toml::from_str(text).map_err(|e| syntax(e.to_string()))?;
         if experiment.schema != EXPERIMENT_SCHEMA {
             return Err(syntax(format!("schema must be {EXPERIMENT_SCHEMA}")));
@@ -214,7 +218,9 @@ impl Experiment {
             }
             row.amount().map_err(|e| refused(&format!("knots: {e}")))?;
             if let Some(surface) = &row.surface {
-                surface.parse::<GeneratedSurface>().map_err(|e| refused(&e.to_string()))?;
+                surface
+                    .parse::<GeneratedSurface>()
+                    .map_err(|e| refused(&e.to_string()))?;
             }
             if row.printed.error.is_some() && row.tolerance <= 0.0 {
                 return Err(refused("a printed error needs a `tolerance`"));
@@ -254,7 +260,11 @@ impl Row {
             RowData::Positions => Data::Positions,
             RowData::ColourPattern => Data::ColourPattern,
         };
-        Ok(Case { data, subdivide: self.subdivide, ..Case::new(input, method) })
+        Ok(Case {
+            data,
+            subdivide: self.subdivide,
+            ..Case::new(input, method)
+        })
     }
 }
 
@@ -271,7 +281,10 @@ pub fn experiments(
     let mut all = Vec::new();
     for paper_folder in entries(folder)? {
         for file in entries(&paper_folder)? {
-            if file.extension().is_some_and(|extension| extension == "toml") {
+            if file
+                .extension()
+                .is_some_and(|extension| extension == "toml")
+            {
                 all.push(Experiment::read(&file)?);
             }
         }
@@ -280,15 +293,21 @@ pub fn experiments(
     let available = all.iter().map(name).collect::<Vec<_>>().join(", ");
     all.retain(|e| paper.is_none_or(|p| p == e.paper) && item.is_none_or(|i| i == e.item));
     if all.is_empty() {
-        let asked = [paper, item].into_iter().flatten().collect::<Vec<_>>().join(" ");
+        let asked = [paper, item]
+            .into_iter()
+            .flatten()
+            .collect::<Vec<_>>()
+            .join(" ");
         return Err(ExperimentError::Unknown { asked, available });
     }
     Ok(all)
 }
 
 fn entries(folder: &Path) -> Result<Vec<std::path::PathBuf>, ExperimentError> {
-    let unreadable =
-        |source| ExperimentError::Unreadable { path: folder.display().to_string(), source };
+    let unreadable = |source| ExperimentError::Unreadable {
+        path: folder.display().to_string(),
+        source,
+    };
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {
         paths.push(entry.map_err(unreadable)?.path());
@@ -301,10 +320,12 @@ fn entries(folder: &Path) -> Result<Vec<std::path::PathBuf>, ExperimentError> {
 mod tests {
     use super::*;
 
-    const HEAD: &str = "schema = \"msplines.experiment/1\"\npaper = \"p\"\nitem = \"i\"\ntitle = \"t\"\n";
+    const HEAD: &str =
+        "schema = \"msplines.experiment/1\"\npaper = \"p\"\nitem = \"i\"\ntitle = \"t\"\n";
 
     fn parse(row: &str) -> Result<Experiment, ExperimentError> {
-        let text = format!("{HEAD}[[row]]\nid = \"a\"\nlabel = \"A\"\nmethod = \"biharmonic\"\n{row}");
+        let text =
+            format!("{HEAD}[[row]]\nid = \"a\"\nlabel = \"A\"\nmethod = \"biharmonic\"\n{row}");
         Experiment::parse(&text, "p/i.toml")
     }
 
@@ -326,16 +347,28 @@ mod tests {
     fn contradictions_are_refused_with_file_and_row() {
         let bad = [
             ("knots = \"5\"\n", "either `model` or `surface`"),
-            ("knots = \"5\"\nmodel = \"m\"\nsurface = \"genus-2\"\n", "either `model` or `surface`"),
+            (
+                "knots = \"5\"\nmodel = \"m\"\nsurface = \"genus-2\"\n",
+                "either `model` or `surface`",
+            ),
             ("knots = \"five\"\nmodel = \"m\"\n", "neither a count"),
             ("knots = \"5\"\nsurface = \"cube\"\n", "no surface `cube`"),
-            ("knots = \"5\"\nmodel = \"m\"\nprinted.error = 0.1\n", "needs a `tolerance`"),
-            ("knots = \"5\"\nmodel = \"m\"\nmore_accurate_than = \"b\"\n", "names no row"),
+            (
+                "knots = \"5\"\nmodel = \"m\"\nprinted.error = 0.1\n",
+                "needs a `tolerance`",
+            ),
+            (
+                "knots = \"5\"\nmodel = \"m\"\nmore_accurate_than = \"b\"\n",
+                "names no row",
+            ),
             ("knots = \"5\"\nmodel = \"m\"\nknot = 3\n", "unknown field"),
         ];
         for (row, message) in bad {
             let error = parse(row).expect_err(row).to_string();
-            assert!(error.contains(message) && error.contains("p/i.toml"), "{error}");
+            assert!(
+                error.contains(message) && error.contains("p/i.toml"),
+                "{error}"
+            );
         }
     }
 }

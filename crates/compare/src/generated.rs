@@ -31,8 +31,13 @@ pub enum GeneratedSurface {
 
 impl GeneratedSurface {
     /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::BumpySphere, Self::TorusKnot, Self::Genus2, Self::Genus3, Self::Genus8];
+    pub const ALL: [Self; 5] = [
+        Self::BumpySphere,
+        Self::TorusKnot,
+        Self::Genus2,
+        Self::Genus3,
+        Self::Genus8,
+    ];
 
     /// Returns the name in experiments and records.
     #[must_use]
@@ -70,7 +75,9 @@ impl FromStr for GeneratedSurface {
 
     fn from_str(name: &str) -> Result<Self, UnknownSurface> {
         let found = Self::ALL.into_iter().find(|surface| surface.name() == name);
-        found.ok_or_else(|| UnknownSurface { name: name.to_owned() })
+        found.ok_or_else(|| UnknownSurface {
+            name: name.to_owned(),
+        })
     }
 }
 
@@ -108,7 +115,11 @@ pub fn colour_pattern(mesh: &TriangleMesh) -> Vec<f64> {
         let [x, y, z] = ((position - low) / size).into();
         let ripple = 0.08 * (12.0 * TAU * (x + 0.5 * y)).sin() * (9.0 * TAU * z).cos();
         let radius = ((x - 0.5).powi(2) + (y - 0.4).powi(2) + (z - 0.3).powi(2)).sqrt();
-        let ring = if (10.0 * radius).fract() < 0.5 { 0.18 } else { -0.18 };
+        let ring = if (10.0 * radius).fract() < 0.5 {
+            0.18
+        } else {
+            -0.18
+        };
         let shade = [
             0.5 + 0.2 * (TAU * (x + 0.3 * z)).sin() + ring,
             0.5 + 0.2 * (TAU * (y - 0.2 * x)).cos() - 0.5 * ring,
@@ -129,7 +140,11 @@ mod tests {
         for (surface, genus) in GeneratedSurface::ALL.into_iter().zip(genera) {
             let mesh = surface.mesh();
             assert!(mesh.topology().boundary_loops().is_empty());
-            assert_eq!(mesh.topology().euler_characteristic(), 2 - 2 * genus, "{surface}");
+            assert_eq!(
+                mesh.topology().euler_characteristic(),
+                2 - 2 * genus,
+                "{surface}"
+            );
             assert_eq!(surface.name().parse(), Ok(surface));
         }
         assert!("genus-9".parse::<GeneratedSurface>().is_err());
@@ -138,7 +153,10 @@ mod tests {
     #[test]
     fn generated_surfaces_and_colours_are_the_same_every_time() {
         let mesh = GeneratedSurface::BumpySphere.mesh();
-        assert_eq!(mesh_digest(&mesh), mesh_digest(&GeneratedSurface::BumpySphere.mesh()));
+        assert_eq!(
+            mesh_digest(&mesh),
+            mesh_digest(&GeneratedSurface::BumpySphere.mesh())
+        );
         let colours = colour_pattern(&mesh);
         assert_eq!(colours.len(), 3 * mesh.vertex_count());
         assert!(colours.iter().all(|c| (0.0..=1.0).contains(c)));

@@ -34,22 +34,43 @@ pub fn load(input: &Input, clock: &mut PhaseClock) -> Result<LoadedInput, RunErr
     let loaded = match input {
         Input::Surface(surface) => {
             let mesh = surface.mesh();
-            let facts = facts(&mesh, surface.to_string(), mesh_digest(&mesh), InputKind::Triangles);
-            LoadedInput { mesh, facts, attributes: Vec::new(), warnings: Vec::new() }
+            let facts = facts(
+                &mesh,
+                surface.to_string(),
+                mesh_digest(&mesh),
+                InputKind::Triangles,
+            );
+            LoadedInput {
+                mesh,
+                facts,
+                attributes: Vec::new(),
+                warnings: Vec::new(),
+            }
         }
         Input::File { path, repair } => {
             let file = file_name(path);
-            let refused = |reason: String| RunError::Input { file: file.clone(), reason };
+            let refused = |reason: String| RunError::Input {
+                file: file.clone(),
+                reason,
+            };
             let sha256 = sha256_file(path).map_err(|e| refused(unreadable(&e)))?;
             let soup = read_soup(path).map_err(|e| refused(e.to_string()))?;
             let kind = kind(&soup);
             clock.enter("preflight");
-            let policy = if *repair { Policy::Repair } else { Policy::Refuse };
+            let policy = if *repair {
+                Policy::Repair
+            } else {
+                Policy::Refuse
+            };
             let accepted = accept(&soup, policy).map_err(|e| refused(e.to_string()))?;
             LoadedInput {
                 facts: facts(&accepted.mesh, file.clone(), sha256, kind),
                 attributes: accepted.attributes,
-                warnings: accepted.repairs.iter().map(|r| format!("repaired: {r}")).collect(),
+                warnings: accepted
+                    .repairs
+                    .iter()
+                    .map(|r| format!("repaired: {r}"))
+                    .collect(),
                 mesh: accepted.mesh,
             }
         }
@@ -74,16 +95,23 @@ pub fn load_domain(
         StoredDomain::Digest { repair, .. } => (None, *repair),
     };
     let loaded = match given {
-        Some(path) => Some(load(&Input::File { path: path.to_owned(), repair }, clock)?),
+        Some(path) => Some(load(
+            &Input::File {
+                path: path.to_owned(),
+                repair,
+            },
+            clock,
+        )?),
         None => None,
     };
     let other = |expected: String, found: String| {
         RunError::Spline(SplineFileError::OtherDomain { expected, found })
     };
     match (embedded, loaded, &spline.domain) {
-        (None, None, StoredDomain::Digest { sha256, .. }) => {
-            Err(SplineFileError::DomainMissing { sha256: sha256.clone() }.into())
+        (None, None, StoredDomain::Digest { sha256, .. }) => Err(SplineFileError::DomainMissing {
+            sha256: sha256.clone(),
         }
+        .into()),
         (None, Some(loaded), StoredDomain::Digest { sha256, .. })
             if loaded.facts.sha256 != *sha256 =>
         {
@@ -96,7 +124,12 @@ pub fn load_domain(
         (Some(mesh), None, _) => {
             let digest = mesh_digest(&mesh);
             let facts = facts(&mesh, file_name(name), digest, InputKind::Triangles);
-            Ok(LoadedInput { mesh, facts, attributes: Vec::new(), warnings: Vec::new() })
+            Ok(LoadedInput {
+                mesh,
+                facts,
+                attributes: Vec::new(),
+                warnings: Vec::new(),
+            })
         }
         (None, None, StoredDomain::Embedded { .. }) => unreachable!("embedded meshes are restored"),
     }
@@ -124,7 +157,12 @@ pub fn fit_data(data: &Data, input: &LoadedInput) -> Result<FitData, RunError> {
     match data {
         Data::Positions => Ok(FitData {
             dimension: 3,
-            values: input.mesh.positions().iter().flat_map(|p| [p.x, p.y, p.z]).collect(),
+            values: input
+                .mesh
+                .positions()
+                .iter()
+                .flat_map(|p| [p.x, p.y, p.z])
+                .collect(),
             names: names(["x", "y", "z"]),
             scale: input.mesh.diagonal(),
         }),
@@ -141,23 +179,41 @@ pub fn fit_data(data: &Data, input: &LoadedInput) -> Result<FitData, RunError> {
 fn attribute_data(chosen: &[String], input: &LoadedInput) -> Result<FitData, RunError> {
     let mut columns = Vec::with_capacity(chosen.len());
     for name in chosen {
-        let found = input.attributes.iter().find(|attribute| attribute.name == *name);
+        let found = input
+            .attributes
+            .iter()
+            .find(|attribute| attribute.name == *name);
         columns.push(found.ok_or_else(|| missing_attribute(name, input))?);
     }
     let vertices = 0..input.mesh.vertex_count();
-    let values: Vec<f64> =
-        vertices.flat_map(|v| columns.iter().map(move |column| column.values[v])).collect();
+    let values: Vec<f64> = vertices
+        .flat_map(|v| columns.iter().map(move |column| column.values[v]))
+        .collect();
     if let Some(index) = values.iter().position(|x| !x.is_finite()) {
         let (vertex, name) = (index / chosen.len(), &chosen[index % chosen.len()]);
         let reason = format!("attribute `{name}` is not finite at vertex {vertex}; mend the file");
-        return Err(RunError::Input { file: input.facts.file.clone(), reason });
+        return Err(RunError::Input {
+            file: input.facts.file.clone(),
+            reason,
+        });
     }
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let colours = chosen.iter().all(|name| ["red", "green", "blue"].contains(&name.as_str()));
+    let colours = chosen
+        .iter()
+        .all(|name| ["red", "green", "blue"].contains(&name.as_str()));
     let in_unit_range = low >= 0.0 && high <= 1.0;
-    let scale = if colours && in_unit_range || high <= low { 1.0 } else { high - low };
-    Ok(FitData { dimension: chosen.len(), values, names: chosen.to_vec(), scale })
+    let scale = if colours && in_unit_range || high <= low {
+        1.0
+    } else {
+        high - low
+    };
+    Ok(FitData {
+        dimension: chosen.len(),
+        values,
+        names: chosen.to_vec(),
+        scale,
+    })
 }
 
 fn missing_attribute(name: &str, input: &LoadedInput) -> RunError {
@@ -165,7 +221,11 @@ fn missing_attribute(name: &str, input: &LoadedInput) -> RunError {
     RunError::NoSuchAttribute {
         file: input.facts.file.clone(),
         name: name.to_owned(),
-        available: if names.is_empty() { "none".to_owned() } else { names.join(", ") },
+        available: if names.is_empty() {
+            "none".to_owned()
+        } else {
+            names.join(", ")
+        },
     }
 }
 
@@ -178,7 +238,10 @@ pub fn hexadecimal(bytes: &[u8]) -> String {
 /// Returns the name of a file without its folder.
 #[must_use]
 pub fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    path.file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned()
 }
 
 /// Returns what is said about a file that the system will not read.
@@ -189,7 +252,11 @@ pub fn unreadable(error: &std::io::Error) -> String {
 
 fn kind(soup: &PolygonSoup) -> InputKind {
     let triangles = (0..soup.face_count()).all(|face| soup.face(face).len() == 3);
-    if triangles { InputKind::Triangles } else { InputKind::Polygons }
+    if triangles {
+        InputKind::Triangles
+    } else {
+        InputKind::Polygons
+    }
 }
 
 fn facts(mesh: &TriangleMesh, file: String, sha256: String, kind: InputKind) -> InputFacts {

@@ -30,5 +30,9 @@ pub fn against_data(input: &LoadedInput, data: &FitData, values: &[f64], kind: &
         Data::Positions => unit_cube_error(fitted, &data.values, (high - low).max()).ok(),
         Data::Attributes(_) | Data::ColourPattern => None,
     };
-    Measured { error, unit_cube, distance: None }
+    Measured {
+        error,
+        unit_cube,
+        distance: None,
+    }
 }

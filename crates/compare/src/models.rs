@@ -51,6 +51,30 @@ pub struct Model {
     pub processing: String,
 }
 
+/// Where the mesh of a row comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Provenance {
+    /// The model that a paper used.
+    Real,
+    /// Another model in its place.
+    StandIn,
+    /// A formula.
+    Generated,
+}
+
+impl Provenance {
+    /// Returns what tables say.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Real => "real",
+            Self::StandIn => "stand-in",
+            Self::Generated => "generated",
+        }
+    }
+}
+
 /// Whether the file of a model can be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Located {
@@ -67,10 +91,14 @@ impl Manifest {
     /// A file that cannot be read or has other fields.
     pub fn read(path: &Path) -> Result<Self, ExperimentError> {
         let name = path.display().to_string();
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| ExperimentError::Unreadable { path: name.clone(), source })?;
-        toml::from_str(&text)
-            .map_err(|e| ExperimentError::Syntax { path: name, message: e.to_string() })
+        let text = std::fs::read_to_string(path).map_err(|source| ExperimentError::Unreadable {
+            path: name.clone(),
+            source,
+        })?;
+        toml::from_str(&text).map_err(|e| ExperimentError::Syntax {
+            path: name,
+            message: e.to_string(),
+        })
     }
 
     /// Returns the model of this name.
@@ -81,6 +109,16 @@ impl Manifest {
 }
 
 impl Model {
+    /// Returns whether this is the model of a paper or one in its place.
+    #[must_use]
+    pub fn provenance(&self) -> Provenance {
+        if self.real {
+            Provenance::Real
+        } else {
+            Provenance::StandIn
+        }
+    }
+
     /// Looks for the file below `folder` and compares its digest.
     #[must_use]
     pub fn locate(&self, folder: &Path) -> Located {
@@ -123,11 +161,16 @@ mod tests {
         );
         let manifest: Manifest = toml::from_str(&text).expect("a manifest");
         let model = manifest.model("m").expect("listed");
-        assert_eq!(model.locate(folder.path()), Located::Missing("m".to_owned()));
+        assert_eq!(
+            model.locate(folder.path()),
+            Located::Missing("m".to_owned())
+        );
         let path = folder.path().join("m.ply");
         std::fs::write(&path, "abc").expect("written");
         assert_eq!(model.locate(folder.path()), Located::Found(path.clone()));
         std::fs::write(&path, "abd").expect("written");
-        assert!(matches!(model.locate(folder.path()), Located::Missing(why) if why.contains("another")));
+        assert!(
+            matches!(model.locate(folder.path()), Located::Missing(why) if why.contains("another"))
+        );
     }
 }

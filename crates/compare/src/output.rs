@@ -32,13 +32,23 @@ pub fn check_outputs(outputs: &[PathBuf]) -> Result<(), RunError> {
 /// # Errors
 /// A folder that does not exist.
 pub fn check_folder(path: &Path) -> Result<(), RunError> {
-    let refused =
-        |reason: &str| Err(RunError::Write { path: path.to_owned(), reason: reason.to_owned() });
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let refused = |reason: &str| {
+        Err(RunError::Write {
+            path: path.to_owned(),
+            reason: reason.to_owned(),
+        })
+    };
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
     if folder.is_some_and(|folder| !folder.is_dir()) {
-        return refused("its folder does not exist");
+        return refused("its folder does not exist; make it, or give another path");
     }
-    if path.is_dir() { refused("it is a folder") } else { Ok(()) }
+    if path.is_dir() {
+        refused("it is a folder; give the name of a file in it")
+    } else {
+        Ok(())
+    }
 }
 
 /// Writes the spline, or its values at the vertices of `mesh`, to every output.
@@ -60,14 +70,24 @@ pub fn write_outputs(
     } else {
         mesh.positions().to_vec()
     };
-    let attributes = if are_positions { Vec::new() } else { attributes(values, names) };
+    let attributes = if are_positions {
+        Vec::new()
+    } else {
+        attributes(values, names)
+    };
     for path in outputs {
-        let refused = |reason: String| RunError::Write { path: path.clone(), reason };
+        let refused = |reason: String| RunError::Write {
+            path: path.clone(),
+            reason,
+        };
         if extension(path) == "json" {
             write_atomically(path, |out| spline.write(out)).map_err(|e| refused(e.to_string()))?;
         } else {
-            let surface =
-                Surface { positions: &positions, faces: mesh.faces(), attributes: &attributes };
+            let surface = Surface {
+                positions: &positions,
+                faces: mesh.faces(),
+                attributes: &attributes,
+            };
             write_surface(path, &surface).map_err(|e| refused(e.to_string()))?;
         }
     }
@@ -75,14 +95,28 @@ pub fn write_outputs(
 }
 
 fn attributes(values: &[f64], names: &[String]) -> Vec<VertexAttribute> {
-    let column =
-        |component: usize| values.iter().skip(component).step_by(names.len()).copied().collect();
+    let column = |component: usize| {
+        values
+            .iter()
+            .skip(component)
+            .step_by(names.len())
+            .copied()
+            .collect()
+    };
     let named = names.iter().enumerate();
-    named.map(|(i, name)| VertexAttribute { name: name.clone(), values: column(i) }).collect()
+    named
+        .map(|(i, name)| VertexAttribute {
+            name: name.clone(),
+            values: column(i),
+        })
+        .collect()
 }
 
 fn extension(path: &Path) -> String {
-    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+    path.extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_ascii_lowercase()
 }
 
 #[cfg(test)]
@@ -94,7 +128,10 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let check = |name: &str| check_outputs(&[folder.path().join(name)]);
         assert!(check("a.PLY").is_ok() && check("a.json").is_ok());
-        assert!(matches!(check("a.stl"), Err(RunError::UnknownOutput { .. })));
+        assert!(matches!(
+            check("a.stl"),
+            Err(RunError::UnknownOutput { .. })
+        ));
         assert!(matches!(check("a"), Err(RunError::UnknownOutput { .. })));
         assert!(matches!(check("none/a.ply"), Err(RunError::Write { .. })));
     }

@@ -165,7 +165,10 @@ pub(crate) mod tests {
                 scale: 2.0,
                 psnr_db: Some(60.0),
             }),
-            error_unit_cube: Some(UnitCubeError { rms: 0.001, max: 0.002 }),
+            error_unit_cube: Some(UnitCubeError {
+                rms: 0.001,
+                max: 0.002,
+            }),
             distance: None,
             checks: BTreeMap::new(),
             seconds: Seconds::default(),
@@ -177,16 +180,35 @@ pub(crate) mod tests {
     }
 
     fn keys(value: &serde_json::Value) -> Vec<&str> {
-        value.as_object().expect("an object").keys().map(String::as_str).collect()
+        value
+            .as_object()
+            .expect("an object")
+            .keys()
+            .map(String::as_str)
+            .collect()
     }
 
     #[test]
     fn record_has_exactly_the_fields_of_its_schema() {
         let value = serde_json::to_value(sample()).expect("a record serialises");
         let expected = [
-            "checks", "distance", "domain_bytes", "dofs", "error", "error_unit_cube", "input",
-            "method", "options", "outcome", "peak_rss_bytes", "schema", "seconds", "seed",
-            "threads", "tool", "warnings",
+            "checks",
+            "distance",
+            "domain_bytes",
+            "dofs",
+            "error",
+            "error_unit_cube",
+            "input",
+            "method",
+            "options",
+            "outcome",
+            "peak_rss_bytes",
+            "schema",
+            "seconds",
+            "seed",
+            "threads",
+            "tool",
+            "warnings",
         ];
         let mut expected = expected.to_vec();
         expected.sort_unstable();
@@ -196,7 +218,14 @@ pub(crate) mod tests {
         assert_eq!(
             keys(&value["input"]),
             [
-                "boundary_loops", "cells", "faces", "file", "genus", "kind", "sha256", "vertices"
+                "boundary_loops",
+                "cells",
+                "faces",
+                "file",
+                "genus",
+                "kind",
+                "sha256",
+                "vertices"
             ]
         );
         assert_eq!(
@@ -211,6 +240,9 @@ pub(crate) mod tests {
     #[test]
     fn record_survives_a_round_trip_through_json() {
         let text = serde_json::to_string(&sample()).expect("a record serialises");
-        assert_eq!(serde_json::from_str::<Record>(&text).expect("it reads back"), sample());
+        assert_eq!(
+            serde_json::from_str::<Record>(&text).expect("it reads back"),
+            sample()
+        );
     }
 }

@@ -71,7 +71,10 @@ pub fn run_row(
     show: &mut dyn FnMut(&RowProgress),
 ) -> Result<Record, String> {
     let folder = tempfile::tempdir().map_err(|e| format!("no temporary folder: {e}"))?;
-    let (asked, answered) = (folder.path().join("request.json"), folder.path().join("answer.json"));
+    let (asked, answered) = (
+        folder.path().join("request.json"),
+        folder.path().join("answer.json"),
+    );
     let text = serde_json::to_vec(request).map_err(|e| e.to_string())?;
     std::fs::write(&asked, text).map_err(|e| format!("cannot write a temporary file: {e}"))?;
     let mut child = Command::new(&program.program)
@@ -99,8 +102,13 @@ fn watch(child: &mut Child, time_limit: Duration, show: &mut dyn FnMut(&RowProgr
     let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
     let (sender, receiver) = std::sync::mpsc::channel();
     std::thread::spawn(move || {
-        for line in stdout.into_iter().flat_map(|out| BufReader::new(out).lines()) {
-            let step = line.ok().and_then(|text| serde_json::from_str::<RowProgress>(&text).ok());
+        for line in stdout
+            .into_iter()
+            .flat_map(|out| BufReader::new(out).lines())
+        {
+            let step = line
+                .ok()
+                .and_then(|text| serde_json::from_str::<RowProgress>(&text).ok());
             if step.is_some_and(|step| sender.send(step).is_err()) {
                 return;
             }
@@ -128,7 +136,11 @@ fn watch(child: &mut Child, time_limit: Duration, show: &mut dyn FnMut(&RowProgr
     };
     let words = words.join().unwrap_or_default();
     let words = words.trim();
-    let start = words.char_indices().rev().nth(LAST_WORDS).map_or(0, |(index, _)| index);
+    let start = words
+        .char_indices()
+        .rev()
+        .nth(LAST_WORDS)
+        .map_or(0, |(index, _)| index);
     format!("ended without an answer ({status}): {}", &words[start..])
 }
 
@@ -138,7 +150,9 @@ fn watch(child: &mut Child, time_limit: Duration, show: &mut dyn FnMut(&RowProgr
 /// A request that cannot be read or an answer that cannot be written.
 pub fn answer(asked: &Path, answered: &Path, process_start: Instant) -> std::io::Result<()> {
     let request: RowRequest = serde_json::from_slice(&std::fs::read(asked)?)?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(request.threads).build_global();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(request.threads)
+        .build_global();
     let answer = match pool {
         Ok(()) => run_and_print(&request.case, process_start),
         Err(error) => RowAnswer::Error(error.to_string()),
@@ -151,8 +165,14 @@ pub fn answer(asked: &Path, answered: &Path, process_start: Instant) -> std::io:
 fn run_and_print(case: &Case, process_start: Instant) -> RowAnswer {
     let mut out = std::io::stdout().lock();
     let mut print = |progress: &Progress| {
-        let Progress { phase, done, total, .. } = *progress;
-        let step = RowProgress { phase: phase.to_owned(), done, total };
+        let Progress {
+            phase, done, total, ..
+        } = *progress;
+        let step = RowProgress {
+            phase: phase.to_owned(),
+            done,
+            total,
+        };
         if let Ok(text) = serde_json::to_string(&step) {
             // A parent that has gone away is no reason to stop.
             let _ = writeln!(out, "{text}");
@@ -174,7 +194,10 @@ mod tests {
 
     fn shell(script: &str) -> RowProgram {
         let arguments = ["-c", script, "row"].map(str::to_owned).to_vec();
-        RowProgram { program: "/bin/sh".into(), arguments }
+        RowProgram {
+            program: "/bin/sh".into(),
+            arguments,
+        }
     }
 
     fn row(script: &str, limit: f64) -> (Result<Record, String>, Vec<RowProgress>) {
@@ -183,7 +206,9 @@ mod tests {
         let request = RowRequest { case, threads: 1 };
         let mut steps = Vec::new();
         let limit = Duration::from_secs_f64(limit);
-        let result = run_row(&shell(script), &request, limit, &mut |step| steps.push(step.clone()));
+        let result = run_row(&shell(script), &request, limit, &mut |step| {
+            steps.push(step.clone())
+        });
         (result, steps)
     }
 
@@ -196,14 +221,24 @@ mod tests {
         );
         let (result, steps) = row(&script, 20.0);
         assert_eq!(result, Ok(sample()));
-        assert_eq!(steps, [RowProgress { phase: "fit".to_owned(), done: 1, total: 2 }]);
+        assert_eq!(
+            steps,
+            [RowProgress {
+                phase: "fit".to_owned(),
+                done: 1,
+                total: 2
+            }]
+        );
     }
 
     #[test]
     fn a_crash_is_a_row_with_its_last_words() {
         let (result, _) = row("echo 'panicked at the disco' >&2; kill -SEGV $$", 20.0);
         let reason = result.expect_err("it crashed");
-        assert!(reason.contains("signal: 11") && reason.contains("at the disco"), "{reason}");
+        assert!(
+            reason.contains("signal: 11") && reason.contains("at the disco"),
+            "{reason}"
+        );
     }
 
     #[test]

@@ -19,8 +19,16 @@ use crate::record::{RUN_SCHEMA, Record, Tool};
 use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
 
 /// Names of the phases in a record.
-const PHASES: [&str; 8] =
-    ["read", "preflight", "domain", "select", "fit", "evaluate", "measure", "write"];
+const PHASES: [&str; 8] = [
+    "read",
+    "preflight",
+    "domain",
+    "select",
+    "fit",
+    "evaluate",
+    "measure",
+    "write",
+];
 
 /// What a run gives.
 #[derive(Clone, Debug)]
@@ -66,10 +74,20 @@ pub fn run(
     let report = fitted.report;
     let mut checks = report.checks;
     checks.insert("evaluated_points".to_owned(), json!(mesh.vertex_count()));
-    let summary = Summary { checks, outcome: report.outcome, measured, seed: case.seed };
+    let summary = Summary {
+        checks,
+        outcome: report.outcome,
+        measured,
+        seed: case.seed,
+    };
     let mut record = record(&input, &spline, summary, &mut clock);
     record.warnings.extend(report.warnings);
-    Ok(RunOutput { record, spline, mesh, values })
+    Ok(RunOutput {
+        record,
+        spline,
+        mesh,
+        values,
+    })
 }
 
 /// What an evaluation of a spline file is asked to do.
@@ -100,7 +118,12 @@ pub fn evaluate(
     let mut clock = PhaseClock::start(process_start);
     enter("read", &mut clock, observer);
     let spline = SplineFile::read(&evaluation.spline)?;
-    let input = load_domain(&spline, evaluation.mesh.as_deref(), &evaluation.spline, &mut clock)?;
+    let input = load_domain(
+        &spline,
+        evaluation.mesh.as_deref(),
+        &evaluation.spline,
+        &mut clock,
+    )?;
     enter("evaluate", &mut clock, observer);
     let (mesh, values) = spline.spline.evaluate(&input.mesh, evaluation.subdivide)?;
     let dimension = spline.spline.dimension();
@@ -121,9 +144,19 @@ pub fn evaluate(
         ("evaluated_points".to_owned(), json!(mesh.vertex_count())),
     ]);
     let seed = evaluation.seed;
-    let summary = Summary { checks, outcome: Outcome::Converged, measured, seed };
+    let summary = Summary {
+        checks,
+        outcome: Outcome::Converged,
+        measured,
+        seed,
+    };
     let record = record(&input, &spline, summary, &mut clock);
-    Ok(RunOutput { record, spline, mesh, values })
+    Ok(RunOutput {
+        record,
+        spline,
+        mesh,
+        values,
+    })
 }
 
 /// What a method gave, before it is measured.
@@ -157,7 +190,10 @@ fn fit(
 ) -> Result<Fitted, RunError> {
     enter("domain", clock, observer);
     let vertices = input.mesh.vertex_count();
-    let values = VertexData { dimension: data.dimension, values: &data.values };
+    let values = VertexData {
+        dimension: data.dimension,
+        values: &data.values,
+    };
     let mut timed = |progress: &Progress| {
         if PHASES.contains(&progress.phase) {
             clock.enter(progress.phase);
@@ -165,10 +201,15 @@ fn fit(
         observer(progress)
     };
     match &case.method {
-        Method::Biharmonic { knots, effort, laplacian } => {
-            let count = knots
-                .of(vertices)
-                .map_err(|source| RunError::Amount { option: "--knots", source })?;
+        Method::Biharmonic {
+            knots,
+            effort,
+            laplacian,
+        } => {
+            let count = knots.of(vertices).map_err(|source| RunError::Amount {
+                option: "--knots",
+                source,
+            })?;
             let options = msplines_biharmonic::Options {
                 knots: msplines_biharmonic::KnotChoice::Optimised { count },
                 effort: *effort,
@@ -178,15 +219,30 @@ fn fit(
             let fit = msplines_biharmonic::fit(&input.mesh, values, &options, &mut timed)?;
             let stored = StoredSpline::of_biharmonic(&fit.spline, *laplacian);
             let report = fit.report;
-            let checks = checks("knots", &stored, report.iterations, report.residual);
-            let report =
-                MethodReport { outcome: report.outcome, checks, warnings: report.warnings };
-            Ok(Fitted { stored, options: json!(options), report })
+            let mut checks = checks("knots", &stored, report.iterations, report.residual);
+            checks.insert("eliminations".to_owned(), json!(report.eliminations));
+            checks.insert("exchanges".to_owned(), json!(report.exchanges[0]));
+            checks.insert("exchanges_kept".to_owned(), json!(report.exchanges[1]));
+            let report = MethodReport {
+                outcome: report.outcome,
+                checks,
+                warnings: report.warnings,
+            };
+            Ok(Fitted {
+                stored,
+                options: json!(options),
+                report,
+            })
         }
-        Method::LsMesh { controls, selection, constraints } => {
-            let count = controls
-                .of(vertices)
-                .map_err(|source| RunError::Amount { option: "--controls", source })?;
+        Method::LsMesh {
+            controls,
+            selection,
+            constraints,
+        } => {
+            let count = controls.of(vertices).map_err(|source| RunError::Amount {
+                option: "--controls",
+                source,
+            })?;
             let options = msplines_ls_mesh::Options {
                 controls: msplines_ls_mesh::ControlChoice::Selected { count },
                 selection: *selection,
@@ -196,9 +252,16 @@ fn fit(
             let stored = StoredSpline::of_ls_mesh(&fit.spline, *constraints);
             let report = fit.report;
             let checks = checks("controls", &stored, report.iterations, report.residual);
-            let report =
-                MethodReport { outcome: report.outcome, checks, warnings: report.warnings };
-            Ok(Fitted { stored, options: json!(options), report })
+            let report = MethodReport {
+                outcome: report.outcome,
+                checks,
+                warnings: report.warnings,
+            };
+            Ok(Fitted {
+                stored,
+                options: json!(options),
+                report,
+            })
         }
     }
 }
@@ -232,16 +295,21 @@ fn component_names(options: &Value, dimension: usize) -> Vec<String> {
         Ok(Data::Positions) if dimension == 3 => names(["x", "y", "z"]),
         Ok(Data::ColourPattern) if dimension == 3 => names(["red", "green", "blue"]),
         Ok(Data::Attributes(names)) if names.len() == dimension => names,
-        _ => (0..dimension).map(|component| format!("value_{component}")).collect(),
+        _ => (0..dimension)
+            .map(|component| format!("value_{component}"))
+            .collect(),
     }
 }
 
 fn domain(case: &Case, input: &LoadedInput) -> StoredDomain {
     match (&case.input, case.domain) {
-        (Input::File { repair, .. }, DomainStorage::Digest) => {
-            StoredDomain::Digest { sha256: input.facts.sha256.clone(), repair: *repair }
-        }
-        _ => StoredDomain::Embedded { mesh: StoredMesh::of(&input.mesh) },
+        (Input::File { repair, .. }, DomainStorage::Digest) => StoredDomain::Digest {
+            sha256: input.facts.sha256.clone(),
+            repair: *repair,
+        },
+        _ => StoredDomain::Embedded {
+            mesh: StoredMesh::of(&input.mesh),
+        },
     }
 }
 
@@ -276,7 +344,9 @@ fn record(
 
 fn check_finite(values: &[f64], dimension: usize) -> Result<(), RunError> {
     match values.iter().position(|x| !x.is_finite()) {
-        Some(index) => Err(RunError::NotFinite { vertex: index / dimension }),
+        Some(index) => Err(RunError::NotFinite {
+            vertex: index / dimension,
+        }),
         None => Ok(()),
     }
 }

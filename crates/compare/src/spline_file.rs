@@ -5,8 +5,9 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
 
-use msplines_biharmonic::{BiharmonicSpline, Laplacian};
+use msplines_biharmonic::{BiharmonicSpline, Extension, Laplacian};
 use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
 use msplines_ls_mesh::{Constraints, LsMesh};
@@ -76,7 +77,10 @@ impl StoredMesh {
     pub fn restore(&self) -> Result<TriangleMesh, SplineFileError> {
         let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
         if let Some(vertex) = self.positions.iter().position(|p| !finite(p)) {
-            return Err(SplineFileError::NotFinite { what: "position", index: vertex });
+            return Err(SplineFileError::NotFinite {
+                what: "position",
+                index: vertex,
+            });
         }
         let positions = self.positions.iter().map(|&p| Point3::from(p)).collect();
         Ok(TriangleMesh::build(positions, self.faces.clone())?)
@@ -175,9 +179,15 @@ impl StoredSpline {
     ) -> Result<(TriangleMesh, Vec<f64>), SplineFileError> {
         self.check(mesh.vertex_count())?;
         match self {
-            Self::Biharmonic { dimension, laplacian, knots, coefficients, constant } => {
+            Self::Biharmonic {
+                dimension,
+                laplacian,
+                knots,
+                coefficients,
+                constant,
+            } => {
                 let spline = BiharmonicSpline::from_parts(
-                    mesh.clone(),
+                    Arc::new(mesh.clone()),
                     *laplacian,
                     *dimension,
                     knots.clone(),
@@ -187,16 +197,21 @@ impl StoredSpline {
                 if rounds == 0 {
                     return Ok((mesh.clone(), spline.vertex_values()?));
                 }
-                Ok(spline.subdivision_values(rounds)?)
+                Ok(spline.subdivision_values(rounds, Extension::AreaWeighted)?)
             }
             Self::LsMesh { .. } if rounds > 0 => Err(SplineFileError::VerticesOnly),
-            Self::LsMesh { dimension, controls, control_values, constraints } => {
+            Self::LsMesh {
+                dimension,
+                controls,
+                control_values,
+                constraints,
+            } => {
                 let spline = LsMesh::from_parts(
                     mesh.clone(),
+                    *constraints,
                     *dimension,
                     controls.clone(),
                     control_values.clone(),
-                    *constraints,
                 )?;
                 Ok((mesh.clone(), spline.vertex_values().to_vec()))
             }
@@ -206,10 +221,18 @@ impl StoredSpline {
     fn check(&self, vertices: usize) -> Result<(), SplineFileError> {
         let (dimension, knots) = (self.dimension(), self.knots());
         let (values, others): (&[f64], &[f64]) = match self {
-            Self::Biharmonic { coefficients, constant, .. } => (coefficients, constant),
+            Self::Biharmonic {
+                coefficients,
+                constant,
+                ..
+            } => (coefficients, constant),
             Self::LsMesh { control_values, .. } => (control_values, &[]),
         };
-        let constants = if matches!(self, Self::Biharmonic { .. }) { dimension } else { 0 };
+        let constants = if matches!(self, Self::Biharmonic { .. }) {
+            dimension
+        } else {
+            0
+        };
         let expected = knots.len().checked_mul(dimension);
         if dimension == 0 || expected != Some(values.len()) || others.len() != constants {
             return Err(SplineFileError::WrongLength {
@@ -223,7 +246,10 @@ impl StoredSpline {
         }
         let mut numbers = values.iter().chain(others);
         match numbers.position(|x| !x.is_finite()) {
-            Some(index) => Err(SplineFileError::NotFinite { what: "coefficient", index }),
+            Some(index) => Err(SplineFileError::NotFinite {
+                what: "coefficient",
+                index,
+            }),
             None => Ok(()),
         }
     }
@@ -233,7 +259,12 @@ impl SplineFile {
     /// Returns the file of a spline.
     #[must_use]
     pub fn new(domain: StoredDomain, options: serde_json::Value, spline: StoredSpline) -> Self {
-        Self { schema: SPLINE_SCHEMA.to_owned(), domain, options, spline }
+        Self {
+            schema: SPLINE_SCHEMA.to_owned(),
+            domain,
+            options,
+            spline,
+        }
     }
 
     /// Reads a spline file.
@@ -241,8 +272,10 @@ impl SplineFile {
     /// # Errors
     /// A file that cannot be read or is not a spline of this schema.
     pub fn read(path: &Path) -> Result<Self, SplineFileError> {
-        let bytes = std::fs::read(path)
-            .map_err(|source| SplineFileError::Unreadable { path: path.to_owned(), source })?;
+        let bytes = std::fs::read(path).map_err(|source| SplineFileError::Unreadable {
+            path: path.to_owned(),
+            source,
+        })?;
         Self::parse(&bytes)
     }
 
@@ -258,7 +291,9 @@ impl SplineFile {
         // The header first: "another schema" says more than the first field that differs.
         let header: Header = serde_json::from_slice(bytes)?;
         if header.schema != SPLINE_SCHEMA {
-            return Err(SplineFileError::WrongSchema { found: header.schema });
+            return Err(SplineFileError::WrongSchema {
+                found: header.schema,
+            });
         }
         Ok(serde_json::from_slice(bytes)?)
     }
@@ -294,7 +329,9 @@ mod tests {
             coefficients,
             constant: vec![0.1],
         };
-        let domain = StoredDomain::Embedded { mesh: tetrahedron() };
+        let domain = StoredDomain::Embedded {
+            mesh: tetrahedron(),
+        };
         SplineFile::new(domain, serde_json::json!({}), spline)
     }
 
@@ -323,7 +360,10 @@ mod tests {
     fn both_kinds_of_domain_are_told_apart() {
         let mut file = file(vec![1.0, -1.0]);
         assert_eq!(SplineFile::parse(&bytes(&file)).expect("embedded"), file);
-        file.domain = StoredDomain::Digest { sha256: "ab".repeat(32), repair: true };
+        file.domain = StoredDomain::Digest {
+            sha256: "ab".repeat(32),
+            repair: true,
+        };
         assert_eq!(SplineFile::parse(&bytes(&file)).expect("digest"), file);
     }
 
@@ -334,7 +374,10 @@ mod tests {
         assert_eq!(value["schema"], "msplines.spline/1");
         assert_eq!(value["method"], "biharmonic");
         assert_eq!(value["data"]["knots"], serde_json::json!([0, 2]));
-        assert_eq!(value["domain"]["mesh"]["faces"][0], serde_json::json!([0, 2, 1]));
+        assert_eq!(
+            value["domain"]["mesh"]["faces"][0],
+            serde_json::json!([0, 2, 1])
+        );
     }
 
     #[test]
@@ -349,7 +392,12 @@ mod tests {
             message(&stored),
             "the spline file lists 2 knots of 1 components but 1 values; it is damaged, fit again"
         );
-        if let StoredSpline::Biharmonic { coefficients, knots, .. } = &mut stored {
+        if let StoredSpline::Biharmonic {
+            coefficients,
+            knots,
+            ..
+        } = &mut stored
+        {
             *coefficients = vec![1.0, 2.0];
             knots[1] = 4;
         }

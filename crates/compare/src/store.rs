@@ -49,7 +49,9 @@ impl RowStore {
     /// A folder that cannot be made.
     pub fn open(folder: &Path) -> std::io::Result<Self> {
         std::fs::create_dir_all(folder)?;
-        Ok(Self { folder: folder.to_owned() })
+        Ok(Self {
+            folder: folder.to_owned(),
+        })
     }
 
     /// Returns what is stored under `key`, and sets a damaged file aside.
@@ -115,7 +117,7 @@ fn record_digest(record: &Record) -> serde_json::Result<String> {
 /// A program that cannot be read.
 pub fn row_key(
     case: &Case,
-    input_sha256: &str,
+    input_digest: &str,
     program: &Path,
     threads: usize,
 ) -> std::io::Result<String> {
@@ -127,7 +129,7 @@ pub fn row_key(
     let parts = serde_json::json!({
         "schema": ROW_SCHEMA,
         "case": case,
-        "input": input_sha256,
+        "input": input_digest,
         "tool": Tool::this(),
         "program": sha256_file(program)?,
         "threads": threads,
@@ -152,7 +154,10 @@ mod tests {
         let (_folder, store) = store();
         assert_eq!(store.load("k").expect("readable"), Stored::Nothing);
         store.save("k", &sample()).expect("saved");
-        assert_eq!(store.load("k").expect("readable"), Stored::Finished(Box::new(sample())));
+        assert_eq!(
+            store.load("k").expect("readable"),
+            Stored::Finished(Box::new(sample()))
+        );
         assert_eq!(store.load("other").expect("readable"), Stored::Nothing);
     }
 
@@ -162,16 +167,24 @@ mod tests {
         store.save("k", &sample()).expect("saved");
         let path = store.path("k");
         let good = std::fs::read(&path).expect("stored");
-        let flipped = String::from_utf8(good.clone()).expect("text").replace("0.0004", "0.0003");
+        let flipped = String::from_utf8(good.clone())
+            .expect("text")
+            .replace("0.0004", "0.0003");
         assert_ne!(flipped.as_bytes(), good);
         for bad in [&good[..good.len() / 2], b"", flipped.as_bytes()] {
             std::fs::write(&path, bad).expect("written");
-            assert!(matches!(store.load("k").expect("readable"), Stored::Damaged(_)));
+            assert!(matches!(
+                store.load("k").expect("readable"),
+                Stored::Damaged(_)
+            ));
             assert_eq!(store.load("k").expect("readable"), Stored::Nothing);
         }
         std::fs::rename(path.with_extension("damaged"), store.path("other")).expect("renamed");
         std::fs::write(store.path("other"), &good).expect("written");
-        assert!(matches!(store.load("other").expect("readable"), Stored::Damaged(_)));
+        assert!(matches!(
+            store.load("other").expect("readable"),
+            Stored::Damaged(_)
+        ));
     }
 
     #[test]
@@ -179,7 +192,10 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let program = folder.path().join("program");
         std::fs::write(&program, "one").expect("written");
-        let input = |path: &str| Input::File { path: path.into(), repair: false };
+        let input = |path: &str| Input::File {
+            path: path.into(),
+            repair: false,
+        };
         let case = |path: &str| Case::new(input(path), Method::biharmonic(Amount::Count(5)));
         let key = |case: &Case, sha: &str, threads| {
             row_key(case, sha, &program, threads).expect("a readable program")

@@ -7,6 +7,7 @@ use msplines_common::metrics::VertexError;
 use serde::{Deserialize, Serialize};
 
 use crate::experiment::Row;
+use crate::models::Provenance;
 
 /// Ours against the printed error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -76,10 +77,10 @@ pub struct Judgement {
 impl Judgement {
     /// Judges the error of a finished row.
     #[must_use]
-    pub fn of(row: &Row, real: bool, error: Option<&VertexError>) -> Self {
+    pub fn of(row: &Row, provenance: Provenance, error: Option<&VertexError>) -> Self {
         let mut judgement = Self::without_figures(row, Verdict::NotComparable);
         judgement.ratio = error.and_then(|error| ratio_to_printed(row, error));
-        if let (true, Some(ratio)) = (real, judgement.ratio) {
+        if let (Provenance::Real, Some(ratio)) = (provenance, judgement.ratio) {
             judgement.verdict = match ratio {
                 _ if ratio < 1.0 - row.tolerance => Verdict::Better,
                 _ if ratio > 1.0 + row.tolerance => Verdict::Worse,
@@ -144,21 +145,39 @@ pub(crate) mod tests {
         let text = "schema = \"msplines.experiment/1\"\npaper = \"p\"\nitem = \"i\"\ntitle = \
                     \"t\"\n[[row]]\nid = \"a\"\nlabel = \"A\"\nmethod = \"biharmonic\"\nmodel = \
                     \"m\"\nknots = \"5\"\n";
-        let mut row = Experiment::parse(text, "p/i.toml").expect("a good row").rows.remove(0);
+        let mut row = Experiment::parse(text, "p/i.toml")
+            .expect("a good row")
+            .rows
+            .remove(0);
         row.printed.error = printed;
         row.tolerance = 0.1;
-        row.recorded = recorded.map(|error| Recorded { error, tolerance: 0.05 });
+        row.recorded = recorded.map(|error| Recorded {
+            error,
+            tolerance: 0.05,
+        });
         row.analysis = analysis.to_owned();
         row
     }
 
     pub(crate) fn error(mean: f64) -> VertexError {
         let kind = "vertices".to_owned();
-        VertexError { kind, mean, rms: mean, max: mean, scale: 1.0, psnr_db: Some(30.0) }
+        VertexError {
+            kind,
+            mean,
+            rms: mean,
+            max: mean,
+            scale: 1.0,
+            psnr_db: Some(30.0),
+        }
     }
 
     fn verdict(ours: f64) -> Verdict {
-        Judgement::of(&row(Some(1.0), None, ""), true, Some(&error(ours))).verdict
+        Judgement::of(
+            &row(Some(1.0), None, ""),
+            Provenance::Real,
+            Some(&error(ours)),
+        )
+        .verdict
     }
 
     #[test]
@@ -173,17 +192,34 @@ pub(crate) mod tests {
     fn a_difference_fails_only_without_an_analysis() {
         for ours in [0.5, 2.0] {
             let judge = |analysis: &str| {
-                Judgement::of(&row(Some(1.0), None, analysis), true, Some(&error(ours))).failure()
+                Judgement::of(
+                    &row(Some(1.0), None, analysis),
+                    Provenance::Real,
+                    Some(&error(ours)),
+                )
+                .failure()
             };
             assert!(judge("").is_some() && judge(" \n").is_some());
             assert_eq!(judge("their mesh is finer"), None);
         }
-        assert_eq!(Judgement::of(&row(Some(1.0), None, ""), true, Some(&error(1.0))).failure(), None);
+        assert_eq!(
+            Judgement::of(
+                &row(Some(1.0), None, ""),
+                Provenance::Real,
+                Some(&error(1.0))
+            )
+            .failure(),
+            None
+        );
     }
 
     #[test]
     fn a_stand_in_is_never_judged_against_the_paper() {
-        let judgement = Judgement::of(&row(Some(1.0), None, ""), false, Some(&error(9.0)));
+        let judgement = Judgement::of(
+            &row(Some(1.0), None, ""),
+            Provenance::StandIn,
+            Some(&error(9.0)),
+        );
         assert_eq!(judgement.verdict, Verdict::NotComparable);
         assert_eq!(judgement.ratio, Some(9.0));
         assert_eq!(judgement.failure(), None);
@@ -191,7 +227,13 @@ pub(crate) mod tests {
 
     #[test]
     fn an_analysis_does_not_excuse_a_regression() {
-        let judge = |ours: f64| Judgement::of(&row(None, Some(1.0), "why"), false, Some(&error(ours)));
+        let judge = |ours: f64| {
+            Judgement::of(
+                &row(None, Some(1.0), "why"),
+                Provenance::StandIn,
+                Some(&error(ours)),
+            )
+        };
         assert_eq!(judge(0.94).regression, Regression::Improved);
         assert_eq!(judge(1.04).regression, Regression::Kept);
         assert_eq!(judge(1.06).regression, Regression::Regressed);
@@ -203,14 +245,23 @@ pub(crate) mod tests {
     fn six_decibels_are_a_factor_of_two() {
         let mut row = row(None, None, "");
         row.printed.psnr_db = Some(24.0);
-        let ratio = Judgement::of(&row, false, Some(&error(1.0))).ratio.expect("a ratio");
+        let ratio = Judgement::of(&row, Provenance::StandIn, Some(&error(1.0)))
+            .ratio
+            .expect("a ratio");
         assert!((ratio - 0.501).abs() < 1e-3, "{ratio}");
     }
 
     #[test]
     fn what_did_not_run_is_no_failure_but_a_crash_is() {
         let row = row(Some(1.0), None, "");
-        assert_eq!(Judgement::without_figures(&row, Verdict::NotRun).failure(), None);
-        assert!(Judgement::without_figures(&row, Verdict::Failed).failure().is_some());
+        assert_eq!(
+            Judgement::without_figures(&row, Verdict::NotRun).failure(),
+            None
+        );
+        assert!(
+            Judgement::without_figures(&row, Verdict::Failed)
+                .failure()
+                .is_some()
+        );
     }
 }

@@ -21,7 +21,7 @@ notes = "All answers | come from a script."
 [[row]]
 id = "one"
 label = "One"
-surface = "genus-2"
+surface = "bumpy-sphere"
 method = "biharmonic"
 knots = "1"
 recorded = { error = 0.0004, tolerance = 0.05 }
@@ -30,7 +30,7 @@ analysis = "none needed"
 [[row]]
 id = "two"
 label = "Two"
-surface = "genus-2"
+surface = "bumpy-sphere"
 method = "ls-mesh"
 knots = "2"
 more_accurate_than = "one"
@@ -47,7 +47,7 @@ tolerance = 0.1
 [[row]]
 id = "four"
 label = "Four"
-surface = "genus-2"
+surface = "bumpy-sphere"
 method = "biharmonic"
 knots = "4"
 full_only = true
@@ -87,8 +87,8 @@ mv "$2.part" "$2"
 "#;
 
 const RECORD: &str = r#"{"record":{"schema":"msplines.run/1","tool":{"version":"0","commit":"c","rustc":"r"},
-"method":"biharmonic","input":{"file":"genus-2","sha256":"0","kind":"triangles","vertices":9,"faces":9,
-"cells":0,"genus":2,"boundary_loops":0},"options":{},"outcome":"converged","dofs":3,"domain_bytes":9,
+"method":"biharmonic","input":{"file":"bumpy-sphere","sha256":"0","kind":"triangles","vertices":9,"faces":9,
+"cells":0,"genus":0,"boundary_loops":0},"options":{},"outcome":"converged","dofs":3,"domain_bytes":9,
 "error":{"kind":"vertices","mean":0.0004,"rms":0.0005,"max":0.001,"scale":1.0,"psnr_db":60.0},
 "error_unit_cube":null,"distance":null,"checks":{"knots":1},
 "seconds":{"total":1.5,"cpu":1.0,"phases":{"fit":1.0}},"peak_rss_bytes":1048576,"threads":1,"seed":0,
@@ -150,7 +150,9 @@ fn campaign(root: &Path) -> Campaign {
 }
 
 fn run(campaign: &Campaign) -> Report {
-    campaign.run(&Display::new(Verbosity::Quiet)).expect("a campaign")
+    campaign
+        .run(&Display::new(Verbosity::Quiet))
+        .expect("a campaign")
 }
 
 fn results(report: &Report) -> Vec<&RowResult> {
@@ -170,10 +172,17 @@ fn rows_run_are_judged_and_are_not_run_again() {
     assert_eq!(project.runs(), 2);
     assert_eq!(project.run(), report);
     assert_eq!(project.runs(), 2);
-    let fresh = Campaign { fresh: true, ..campaign(project.folder.path()) };
+    let fresh = Campaign {
+        fresh: true,
+        ..campaign(project.folder.path())
+    };
     assert_eq!(run(&fresh), report);
     assert_eq!(project.runs(), 4);
-    let full = Campaign { full: true, jobs: 2, ..campaign(project.folder.path()) };
+    let full = Campaign {
+        full: true,
+        jobs: 2,
+        ..campaign(project.folder.path())
+    };
     assert!(matches!(results(&run(&full))[3], RowResult::Done(_)));
 }
 
@@ -198,8 +207,14 @@ fn a_false_claim_and_a_regression_fail() {
     std::fs::write(project.path("record.json"), worse).expect("written");
     let failures = project.run().failures();
     assert_eq!(failures.len(), 2, "{failures:?}");
-    assert!(failures[0].contains("p i one: worse than our recorded value"), "{failures:?}");
-    assert!(failures[1].contains("p i two: not more accurate"), "{failures:?}");
+    assert!(
+        failures[0].contains("p i one: worse than our recorded value"),
+        "{failures:?}"
+    );
+    assert!(
+        failures[1].contains("p i two: not more accurate"),
+        "{failures:?}"
+    );
 }
 
 #[test]
@@ -214,7 +229,8 @@ fn a_damaged_row_is_set_aside_and_runs_again() {
     assert_eq!(project.runs(), 4);
     let damaged = rows().filter(|entry| {
         let path = entry.as_ref().expect("readable").path();
-        path.extension().is_some_and(|extension| extension == "damaged")
+        path.extension()
+            .is_some_and(|extension| extension == "damaged")
     });
     assert_eq!(damaged.count(), 2);
 }
@@ -231,7 +247,10 @@ fn a_killed_campaign_continues_where_it_stopped() {
         .expect("started");
     let started = Instant::now();
     while project.runs() < 2 {
-        assert!(started.elapsed() < Duration::from_secs(60), "the second row never started");
+        assert!(
+            started.elapsed() < Duration::from_secs(60),
+            "the second row never started"
+        );
         std::thread::sleep(Duration::from_millis(10));
     }
     child.kill().expect("killed");
@@ -255,18 +274,30 @@ fn a_report_is_written_in_every_form() {
     let project = Project::new();
     let report = project.run();
     let text = report::terminal(&report);
-    for part in ["0.0400 %", "not comparable", "not run: absent", "more accurate than one", "kept"] {
+    for part in [
+        "0.0400 %",
+        "not comparable",
+        "not run: absent",
+        "more accurate than one",
+        "kept",
+    ] {
         assert!(text.contains(part), "no `{part}` in\n{text}");
     }
     let page = report::markdown(&report, "p");
-    assert!(page.contains("All answers \\| come from a script."), "{page}");
+    assert!(
+        page.contains("All answers \\| come from a script."),
+        "{page}"
+    );
     assert!(page.contains("| One | 9 | 1 | - | 0.0400 % |"), "{page}");
     let written = report::write(&report, &project.path("report")).expect("written");
     assert_eq!(written.len(), 3);
     let json = std::fs::read(project.path("report/report.json")).expect("written");
-    assert_eq!(serde_json::from_slice::<Report>(&json).expect("JSON"), report);
+    assert_eq!(
+        serde_json::from_slice::<Report>(&json).expect("JSON"),
+        report
+    );
     let csv = std::fs::read_to_string(project.path("report/report.csv")).expect("written");
-    let judged = "p,i,one,genus-2,false,biharmonic,1,error_mean,fraction,,0.0004,,0,not comparable,kept,";
+    let judged = "p,i,one,bumpy-sphere,generated,biharmonic,1,error_mean,fraction,,0.0004,,0,not comparable,kept,";
     assert!(csv.lines().any(|line| line.starts_with(judged)), "{csv}");
 }
 
@@ -278,11 +309,23 @@ fn the_experiments_of_the_project_can_be_read_and_name_known_models() {
     let folder = data.join("experiments");
     let all = msplines_compare::experiment::experiments(&folder, None, None).expect("experiments");
     for experiment in &all {
-        for model in experiment.rows.iter().filter_map(|row| row.model.as_deref()) {
+        for model in experiment
+            .rows
+            .iter()
+            .filter_map(|row| row.model.as_deref())
+        {
             let (paper, item) = (&experiment.paper, &experiment.item);
-            assert!(manifest.model(model).is_some(), "{paper} {item} names {model}");
+            assert!(
+                manifest.model(model).is_some(),
+                "{paper} {item} names {model}"
+            );
         }
     }
     let error = msplines_compare::experiment::experiments(&folder, Some("p"), None);
-    assert!(error.expect_err("no such paper").to_string().contains("hou2017 table1"));
+    assert!(
+        error
+            .expect_err("no such paper")
+            .to_string()
+            .contains("hou2017 table1")
+    );
 }

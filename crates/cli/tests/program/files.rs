@@ -11,15 +11,26 @@ const ROUNDING: f64 = 1e-12;
 fn anyone_can_recompute_the_error_from_the_surface_file() {
     for method in ["biharmonic --knots", "ls-mesh --controls"] {
         let workbench = Workbench::new();
-        workbench.expect(0, &format!("fit {method} 40 mesh.ply -o o.ply --report r.json"));
+        workbench.expect(
+            0,
+            &format!("fit {method} 40 mesh.ply -o o.ply --report r.json"),
+        );
         let (fitted, original) = (workbench.soup("o.ply"), mesh());
-        assert_eq!(fitted.face_vertices, workbench.soup("mesh.ply").face_vertices);
+        assert_eq!(
+            fitted.face_vertices,
+            workbench.soup("mesh.ply").face_vertices
+        );
         assert_eq!(fitted.positions.len(), VERTICES);
         let distance = |(a, b): (&Point3<f64>, &Point3<f64>)| (a - b).norm();
         let pairs = fitted.positions.iter().zip(original.positions());
         let mean = pairs.map(distance).sum::<f64>() / VERTICES as f64 / original.diagonal();
-        let recorded = workbench.json("r.json")["error"]["mean"].as_f64().expect("a number");
-        assert!((mean - recorded).abs() <= ROUNDING * mean, "{method}: {mean} {recorded}");
+        let recorded = workbench.json("r.json")["error"]["mean"]
+            .as_f64()
+            .expect("a number");
+        assert!(
+            (mean - recorded).abs() <= ROUNDING * mean,
+            "{method}: {mean} {recorded}"
+        );
     }
 }
 
@@ -29,7 +40,11 @@ fn a_spline_file_evaluates_to_the_surface_that_was_written_with_it() {
         let workbench = Workbench::new();
         workbench.expect(0, &format!("fit {method} 40 mesh.ply -o o.ply -o s.json"));
         workbench.expect(0, "evaluate s.json -o again.ply");
-        assert_eq!(workbench.bytes("again.ply"), workbench.bytes("o.ply"), "{method}");
+        assert_eq!(
+            workbench.bytes("again.ply"),
+            workbench.bytes("o.ply"),
+            "{method}"
+        );
     }
 }
 
@@ -43,7 +58,10 @@ fn a_spline_file_can_hold_the_digest_of_its_mesh_only() {
     assert!(ran.err.contains("--mesh"), "{}", ran.err);
     workbench.expect(0, "evaluate s.json --mesh mesh.ply -o again.ply");
     assert_eq!(workbench.bytes("again.ply"), workbench.bytes("o.ply"));
-    workbench.put("other.ply", &mesh().with_positions(vec![Point3::origin(); VERTICES]));
+    workbench.put(
+        "other.ply",
+        &mesh().with_positions(vec![Point3::origin(); VERTICES]),
+    );
     workbench.expect(3, "evaluate s.json --mesh other.ply -o again.ply");
 }
 
@@ -51,9 +69,15 @@ fn a_spline_file_can_hold_the_digest_of_its_mesh_only() {
 fn subdivision_keeps_the_vertices_and_adds_one_per_edge() {
     let workbench = Workbench::new();
     workbench.expect(0, "fit biharmonic --knots 40 mesh.ply -o o.ply -o s.json");
-    workbench.expect(0, "evaluate s.json --subdivide 1 -o fine.ply --report r.json");
+    workbench.expect(
+        0,
+        "evaluate s.json --subdivide 1 -o fine.ply --report r.json",
+    );
     let (coarse, fine) = (workbench.soup("o.ply"), workbench.soup("fine.ply"));
-    assert_eq!(fine.positions.len(), VERTICES + mesh().topology().edge_count());
+    assert_eq!(
+        fine.positions.len(),
+        VERTICES + mesh().topology().edge_count()
+    );
     assert_eq!(fine.positions[..VERTICES], coarse.positions[..]);
     assert!(workbench.json("r.json")["seconds"]["phases"]["evaluate"].is_number());
     workbench.expect(0, "fit ls-mesh --controls 40 mesh.ply -o l.json");
@@ -98,10 +122,16 @@ fn files_are_the_same_for_any_number_of_threads() {
 #[test]
 fn a_record_holds_what_a_reader_needs() {
     let workbench = Workbench::new();
-    workbench.expect(0, "fit biharmonic --knots 40 mesh.ply -o o.ply --report r.json --seed 3");
+    workbench.expect(
+        0,
+        "fit biharmonic --knots 40 mesh.ply -o o.ply --report r.json --seed 3",
+    );
     let record: msplines_compare::record::Record =
         serde_json::from_slice(&workbench.bytes("r.json")).expect("a record");
-    assert_eq!((record.input.file.as_str(), record.input.vertices), ("mesh.ply", 642));
+    assert_eq!(
+        (record.input.file.as_str(), record.input.vertices),
+        ("mesh.ply", 642)
+    );
     assert_eq!((record.dofs, record.seed), (120, 3));
     assert_eq!(record.checks["knots"], 40);
     assert!(record.error.expect("an error").mean > 0.0);

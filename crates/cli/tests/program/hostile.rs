@@ -21,22 +21,36 @@ fn check(ran: &Ran, what: &str) {
     assert!(!ran.err.contains("panicked"), "{what}: {}", ran.err);
     if ran.code != 0 {
         let message = ran.err.lines().find(|line| line.starts_with("error: "));
-        assert!(message.is_some_and(|line| line.len() > 20), "{what}: {}", ran.err);
+        assert!(
+            message.is_some_and(|line| line.len() > 20),
+            "{what}: {}",
+            ran.err
+        );
     }
 }
 
 fn check_outputs(workbench: &Workbench, what: &str) {
     let soup = workbench.soup("o.ply");
-    let finite = soup.positions.iter().all(|p| p.iter().all(|x| x.is_finite()));
+    let finite = soup
+        .positions
+        .iter()
+        .all(|p| p.iter().all(|x| x.is_finite()));
     assert!(finite && !soup.positions.is_empty(), "{what}: not finite");
     // JSON has no NaN: serde_json writes null, which no field of a number reads back from.
     let record: msplines_compare::record::Record =
         serde_json::from_slice(&workbench.bytes("r.json")).expect(what);
-    assert!(record.error.is_some_and(|error| error.mean.is_finite()), "{what}");
+    assert!(
+        record.error.is_some_and(|error| error.mean.is_finite()),
+        "{what}"
+    );
 }
 
 fn battery(workbench: &Workbench, path: &Path) {
-    let name = path.file_name().expect("a file").to_string_lossy().into_owned();
+    let name = path
+        .file_name()
+        .expect("a file")
+        .to_string_lossy()
+        .into_owned();
     let file = path.to_string_lossy().into_owned();
     for repair in [false, true] {
         let with = |mut arguments: Vec<&'static str>| {
@@ -47,10 +61,21 @@ fn battery(workbench: &Workbench, path: &Path) {
             let arguments = with(output);
             let ran = workbench.run_on(arguments.iter().copied().chain([file.as_str()]));
             check(&ran, &format!("{arguments:?} {name}"));
-            assert!(!ran.out.to_lowercase().contains("nan\n"), "{name}: {}", ran.out);
+            assert!(
+                !ran.out.to_lowercase().contains("nan\n"),
+                "{name}: {}",
+                ran.out
+            );
         }
         let fits = [
-            with(vec!["fit", "biharmonic", "--knots", "3%", "--effort", "fast"]),
+            with(vec![
+                "fit",
+                "biharmonic",
+                "--knots",
+                "3%",
+                "--effort",
+                "fast",
+            ]),
             with(vec!["fit", "ls-mesh", "--controls", "3%"]),
         ];
         for fit in fits {
@@ -58,8 +83,8 @@ fn battery(workbench: &Workbench, path: &Path) {
             let outputs = ["-o", "o.ply", "--report", "r.json", file.as_str()];
             let ran = workbench.run_on(fit.iter().copied().chain(outputs));
             check(&ran, &what);
-            let expected = CLEAN.contains(&name.as_str())
-                || (repair && REPAIRABLE.contains(&name.as_str()));
+            let expected =
+                CLEAN.contains(&name.as_str()) || (repair && REPAIRABLE.contains(&name.as_str()));
             assert!(!expected || ran.code == 0, "{what}: {}", ran.err);
             if ran.code == 0 {
                 check_outputs(workbench, &what);
@@ -70,7 +95,10 @@ fn battery(workbench: &Workbench, path: &Path) {
 
 #[test]
 fn broken_files_give_a_result_or_a_reason() {
-    let Some(folder) = models().map(|models| models.join("hostile")).filter(|f| f.is_dir()) else {
+    let Some(folder) = models()
+        .map(|models| models.join("hostile"))
+        .filter(|f| f.is_dir())
+    else {
         println!("not run: hostile");
         return;
     };

@@ -25,7 +25,9 @@ pub(crate) struct Ran {
 impl Workbench {
     /// Returns a folder that holds the ordinary mesh as `mesh.ply`.
     pub(crate) fn new() -> Self {
-        let workbench = Self { folder: tempfile::tempdir().expect("a temporary folder") };
+        let workbench = Self {
+            folder: tempfile::tempdir().expect("a temporary folder"),
+        };
         workbench.put("mesh.ply", &mesh());
         workbench
     }
@@ -35,8 +37,11 @@ impl Workbench {
     }
 
     pub(crate) fn put(&self, name: &str, mesh: &TriangleMesh) {
-        let surface =
-            Surface { positions: mesh.positions(), faces: mesh.faces(), attributes: &[] };
+        let surface = Surface {
+            positions: mesh.positions(),
+            faces: mesh.faces(),
+            attributes: &[],
+        };
         write_surface(&self.path(name), &surface).expect("written");
     }
 
@@ -62,13 +67,21 @@ impl Workbench {
     }
 
     pub(crate) fn run_on<'a>(&self, arguments: impl IntoIterator<Item = &'a str>) -> Ran {
-        let Output { status, stdout, stderr } = Command::new(env!("CARGO_BIN_EXE_msplines"))
+        let Output {
+            status,
+            stdout,
+            stderr,
+        } = Command::new(env!("CARGO_BIN_EXE_msplines"))
             .args(arguments)
             .current_dir(self.folder.path())
             .output()
             .expect("the program starts");
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
-        Ran { code: status.code().unwrap_or(-1), out: text(stdout), err: text(stderr) }
+        Ran {
+            code: status.code().unwrap_or(-1),
+            out: text(stdout),
+            err: text(stderr),
+        }
     }
 
     /// Runs the program and checks how it ends.

@@ -61,14 +61,15 @@ impl Unit {
 }
 
 impl Figure {
-    fn new(
-        quantity: &'static str,
-        unit: Unit,
-        paper: Option<f64>,
-        ours: Option<f64>,
-    ) -> Self {
+    fn new(quantity: &'static str, unit: Unit, paper: Option<f64>, ours: Option<f64>) -> Self {
         let ratio = ours.zip(paper).map(|(ours, paper)| ours / paper);
-        Self { quantity, unit, paper, ours, ratio }
+        Self {
+            quantity,
+            unit,
+            paper,
+            ours,
+            ratio,
+        }
     }
 }
 
@@ -76,13 +77,21 @@ impl Figure {
 #[must_use]
 pub fn error_figure(report: &RowReport) -> Figure {
     let printed = &report.row.printed;
-    let error = report.result.record().and_then(|record| record.error.as_ref());
+    let error = report
+        .result
+        .record()
+        .and_then(|record| record.error.as_ref());
     let in_decibels = report.row.data == crate::experiment::RowData::ColourPattern;
     let mut figure = if in_decibels {
         let ours = error.and_then(|error| error.psnr_db);
         Figure::new("psnr_db", Unit::Decibel, printed.psnr_db, ours)
     } else {
-        Figure::new("error_mean", Unit::Fraction, printed.error, error.map(|error| error.mean))
+        Figure::new(
+            "error_mean",
+            Unit::Fraction,
+            printed.error,
+            error.map(|error| error.mean),
+        )
     };
     // Decibels have no ratio of their own: the judgement holds that of the root mean squares.
     figure.ratio = report.judgement.ratio;
@@ -103,13 +112,23 @@ pub fn cost_figures(report: &RowReport) -> Vec<Figure> {
             printed.select_seconds,
             seconds(&["domain", "select"]),
         ),
-        Figure::new("fit_seconds", Unit::Seconds, printed.fit_seconds, seconds(&["fit"])),
+        Figure::new(
+            "fit_seconds",
+            Unit::Seconds,
+            printed.fit_seconds,
+            seconds(&["fit"]),
+        ),
     ];
     if report.row.subdivide > 0 {
         let points = record.and_then(|record| record.checks.get("evaluated_points")?.as_f64());
         let evaluate = seconds(&["evaluate"]);
         let paper = printed.evaluate_seconds;
-        figures.push(Figure::new("evaluate_seconds", Unit::Seconds, paper, evaluate));
+        figures.push(Figure::new(
+            "evaluate_seconds",
+            Unit::Seconds,
+            paper,
+            evaluate,
+        ));
         figures.push(Figure::new("evaluated_points", Unit::Count, None, points));
     }
     figures.push(Figure::new("total_seconds", Unit::Seconds, None, total));
@@ -118,8 +137,7 @@ pub fn cost_figures(report: &RowReport) -> Vec<Figure> {
 }
 
 /// Returns why a row has no figures, if it has none.
-#[must_use]
-pub fn absence(report: &RowReport) -> Option<String> {
+pub(super) fn absence(report: &RowReport) -> Option<String> {
     match &report.result {
         RowResult::Done(_) => None,
         RowResult::NotRun(reason) => Some(format!("not run: {reason}")),
@@ -128,5 +146,8 @@ pub fn absence(report: &RowReport) -> Option<String> {
 }
 
 fn phase_seconds(record: &Record, names: &[&str]) -> f64 {
-    names.iter().filter_map(|&name| record.seconds.phases.get(name)).sum()
+    names
+        .iter()
+        .filter_map(|&name| record.seconds.phases.get(name))
+        .sum()
 }

@@ -18,7 +18,7 @@ pub use tables::{Table, cost_table, error_table, notes};
 pub fn terminal(report: &Report) -> String {
     let mut text = String::new();
     for item in &report.items {
-        for table in [error_table(item), cost_table(item, report.times_comparable)] {
+        for table in [error_table(item), cost_table(item, report.times)] {
             if table.rows.is_empty() {
                 continue;
             }
@@ -50,7 +50,7 @@ pub fn markdown(report: &Report, paper: &str) -> String {
     );
     for item in report.items.iter().filter(|item| item.paper == paper) {
         let _ = writeln!(text, "\n## {}: {}\n", item.item, item.title);
-        for table in [error_table(item), cost_table(item, report.times_comparable)] {
+        for table in [error_table(item), cost_table(item, report.times)] {
             if !table.rows.is_empty() {
                 push_markdown_table(&mut text, &table);
             }
@@ -86,8 +86,22 @@ fn cell(text: &str) -> String {
 pub fn csv(report: &Report) -> std::io::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record([
-        "paper", "item", "row", "model", "real", "method", "knots", "quantity", "unit",
-        "paper_value", "ours", "ratio", "tolerance", "verdict", "regression", "analysis",
+        "paper",
+        "item",
+        "row",
+        "domain",
+        "provenance",
+        "method",
+        "knots",
+        "quantity",
+        "unit",
+        "paper_value",
+        "ours",
+        "ratio",
+        "tolerance",
+        "verdict",
+        "regression",
+        "analysis",
     ])?;
     for item in &report.items {
         for row in &item.rows {
@@ -112,14 +126,18 @@ fn csv_line(
     let domain = row.model.as_ref().or(row.surface.as_ref());
     let method = serde_json::to_value(row.method).unwrap_or_default();
     let regression = serde_json::to_value(report.judgement.regression).unwrap_or_default();
-    let verdict = if is_judged { report.judgement.verdict.text() } else { "" };
+    let verdict = if is_judged {
+        report.judgement.verdict.text()
+    } else {
+        ""
+    };
     let text = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
     vec![
         paper.clone(),
         item.clone(),
         row.id.clone(),
         domain.cloned().unwrap_or_default(),
-        report.real.to_string(),
+        report.provenance.text().to_owned(),
         text(&method),
         row.knots.clone(),
         figure.quantity.to_owned(),
@@ -127,9 +145,17 @@ fn csv_line(
         number(figure.paper),
         number(figure.ours),
         number(figure.ratio),
-        if is_judged { row.tolerance.to_string() } else { String::new() },
+        if is_judged {
+            row.tolerance.to_string()
+        } else {
+            String::new()
+        },
         verdict.to_owned(),
-        if is_judged { text(&regression) } else { String::new() },
+        if is_judged {
+            text(&regression)
+        } else {
+            String::new()
+        },
         row.analysis.trim().to_owned(),
     ]
 }
@@ -144,7 +170,10 @@ pub fn write(report: &Report, folder: &Path) -> Result<Vec<PathBuf>, CampaignErr
     let mut put = |name: String, bytes: std::io::Result<Vec<u8>>| {
         let path = folder.join(name);
         let done = bytes.and_then(|bytes| replace(&path, &bytes));
-        done.map_err(|source| CampaignError::Output { path: path.clone(), source })?;
+        done.map_err(|source| CampaignError::Output {
+            path: path.clone(),
+            source,
+        })?;
         written.push(path);
         Ok::<(), CampaignError>(())
     };
@@ -152,7 +181,10 @@ pub fn write(report: &Report, folder: &Path) -> Result<Vec<PathBuf>, CampaignErr
     put("report.json".to_owned(), json)?;
     put("report.csv".to_owned(), csv(report))?;
     for paper in papers(report) {
-        put(format!("{paper}.md"), Ok(markdown(report, &paper).into_bytes()))?;
+        put(
+            format!("{paper}.md"),
+            Ok(markdown(report, &paper).into_bytes()),
+        )?;
     }
     Ok(written)
 }

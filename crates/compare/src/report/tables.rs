@@ -1,6 +1,7 @@
 //! Tables for people: the judged errors, the costs, and the notes below them.
 
-use crate::campaign::{ItemReport, RowReport};
+use crate::campaign::{ItemReport, RowReport, Times};
+use crate::models::Provenance;
 use crate::verdict::Regression;
 
 use super::figures::{Figure, absence, cost_figures, error_figure};
@@ -23,8 +24,16 @@ const NONE: &str = "-";
 #[must_use]
 pub fn error_table(item: &ItemReport) -> Table {
     let header = [
-        "row", "vertices", "knots", "paper", "ours", "ratio", "tolerance", "verdict",
-        "ours before", "against it",
+        "row",
+        "vertices",
+        "knots",
+        "paper",
+        "ours",
+        "ratio",
+        "tolerance",
+        "verdict",
+        "ours before",
+        "against it",
     ];
     let rows = item.rows.iter().map(error_cells).collect();
     Table {
@@ -39,7 +48,11 @@ fn error_cells(report: &RowReport) -> Vec<String> {
     let record = report.result.record();
     let show = |value: Option<f64>| value.map_or(NONE.to_owned(), |v| figure.unit.show(v));
     let knots = record.and_then(|record| {
-        record.checks.get("knots").or_else(|| record.checks.get("controls"))?.as_u64()
+        record
+            .checks
+            .get("knots")
+            .or_else(|| record.checks.get("controls"))?
+            .as_u64()
     });
     let recorded = report.row.recorded;
     let judgement = &report.judgement;
@@ -57,7 +70,11 @@ fn error_cells(report: &RowReport) -> Vec<String> {
         },
         verdict(report),
         recorded.map_or(NONE.to_owned(), |recorded| {
-            format!("{:.4} % (+{:.0} %)", 100.0 * recorded.error, 100.0 * recorded.tolerance)
+            format!(
+                "{:.4} % (+{:.0} %)",
+                100.0 * recorded.error,
+                100.0 * recorded.tolerance
+            )
         }),
         match judgement.regression {
             Regression::NotRecorded => NONE.to_owned(),
@@ -71,13 +88,19 @@ fn error_cells(report: &RowReport) -> Vec<String> {
 fn verdict(report: &RowReport) -> String {
     let mut text = absence(report).unwrap_or_else(|| {
         let text = report.judgement.verdict.text();
-        let modelled = report.row.model.is_some() && !report.real;
-        if modelled { format!("{text} (stand-in)") } else { text.to_owned() }
+        match report.provenance {
+            Provenance::Real => text.to_owned(),
+            other => format!("{text} ({})", other.text()),
+        }
     });
     if let (Some(holds), Some(other)) =
         (report.judgement.claim_holds, &report.row.more_accurate_than)
     {
-        let relation = if holds { "more accurate than" } else { "NOT more accurate than" };
+        let relation = if holds {
+            "more accurate than"
+        } else {
+            "NOT more accurate than"
+        };
         text.push_str(&format!(", {relation} {other}"));
     }
     text
@@ -85,18 +108,29 @@ fn verdict(report: &RowReport) -> String {
 
 /// Returns the table of times and memory of an item; rows without figures are left out.
 #[must_use]
-pub fn cost_table(item: &ItemReport, times_comparable: bool) -> Table {
+pub fn cost_table(item: &ItemReport, times: Times) -> Table {
     let evaluates = item.rows.iter().any(|report| report.row.subdivide > 0);
     let mut header = vec![
-        "row", "T_k paper", "T_k ours", "ratio", "T_f paper", "T_f ours", "ratio",
+        "row",
+        "T_k paper",
+        "T_k ours",
+        "ratio",
+        "T_f paper",
+        "T_f ours",
+        "ratio",
     ];
     if evaluates {
         header.extend(["evaluation paper", "evaluation ours", "ratio", "points"]);
     }
     header.extend(["total", "memory"]);
-    let done = item.rows.iter().filter(|report| report.result.record().is_some());
-    let remark =
-        if times_comparable { "never judged" } else { "rows ran side by side: not comparable" };
+    let done = item
+        .rows
+        .iter()
+        .filter(|report| report.result.record().is_some());
+    let remark = match times {
+        Times::Comparable => "never judged",
+        Times::SideBySide => "rows ran side by side: not comparable",
+    };
     Table {
         title: format!("Times ({remark}) and memory"),
         header: header.into_iter().map(str::to_owned).collect(),
@@ -108,7 +142,9 @@ fn cost_cells(report: &RowReport, evaluates: bool) -> Vec<String> {
     let figures = cost_figures(report);
     let find = |quantity: &str| figures.iter().find(|figure| figure.quantity == quantity);
     let show = |figure: Option<&Figure>, value: fn(&Figure) -> Option<f64>| {
-        figure.and_then(|f| Some(f.unit.show(value(f)?))).unwrap_or_else(|| NONE.to_owned())
+        figure
+            .and_then(|f| Some(f.unit.show(value(f)?)))
+            .unwrap_or_else(|| NONE.to_owned())
     };
     let mut cells = vec![report.row.label.clone()];
     let mut compared = vec!["select_seconds", "fit_seconds"];
@@ -138,10 +174,21 @@ pub fn notes(item: &ItemReport) -> Vec<String> {
     }
     for report in &item.rows {
         if !report.row.analysis.trim().is_empty() {
-            notes.push(format!("{}: {}", report.row.label, one_line(&report.row.analysis)));
+            notes.push(format!(
+                "{}: {}",
+                report.row.label,
+                one_line(&report.row.analysis)
+            ));
         }
-        let warnings = report.result.record().map_or(&[][..], |record| &record.warnings);
-        notes.extend(warnings.iter().map(|w| format!("{}: warning: {w}", report.row.label)));
+        let warnings = report
+            .result
+            .record()
+            .map_or(&[][..], |record| &record.warnings);
+        notes.extend(
+            warnings
+                .iter()
+                .map(|w| format!("{}: warning: {w}", report.row.label)),
+        );
     }
     notes
 }
