@@ -44,8 +44,14 @@ fn gather() -> std::io::Result<()> {
         paths.push(entry?.path());
     }
     paths.sort();
-    let records = paths.iter().map(fs::read_to_string).collect::<Result<Vec<_>, _>>()?;
-    fs::write(target.join("reference.json"), format!("[\n{}\n]\n", records.join(",\n")))
+    let records = paths
+        .iter()
+        .map(fs::read_to_string)
+        .collect::<Result<Vec<_>, _>>()?;
+    fs::write(
+        target.join("reference.json"),
+        format!("[\n{}\n]\n", records.join(",\n")),
+    )
 }
 
 fn missing_packages() -> Vec<&'static str> {
