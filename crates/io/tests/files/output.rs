@@ -16,8 +16,10 @@ struct Array {
 }
 
 fn value(element: &BytesStart<'_>, name: &str) -> String {
-    let attribute = element.try_get_attribute(name).unwrap().unwrap();
-    attribute.value.into_owned()
+    let attribute = element.try_get_attribute(name).unwrap();
+    attribute
+        .map(|attribute| attribute.value.into_owned())
+        .unwrap_or_default()
 }
 
 /// Returns all elements in order as `parent/child`, and the arrays.
