@@ -93,9 +93,15 @@ fn write_array<W: Write, const N: usize>(
     numbers.for_each(|number| stream.extend_from_slice(&number));
     let length = (stream.len() - LENGTH_BYTES) as u64;
     stream[..LENGTH_BYTES].copy_from_slice(&length.to_le_bytes());
-    xml.create_element("DataArray")
-        .with_attributes([("type", kind), ("Name", name), ("format", "binary")])
-        .with_attribute(("NumberOfComponents", components.to_string().as_str()))
-        .write_text_content(BytesText::new(&STANDARD.encode(&stream)))?;
+    let mut array = xml.create_element("DataArray").with_attributes([
+        ("type", kind),
+        ("Name", name),
+        ("format", "binary"),
+    ]);
+    // An array of one component is a scalar, and some readers shape it otherwise if told so.
+    if components > 1 {
+        array = array.with_attribute(("NumberOfComponents", components.to_string().as_str()));
+    }
+    array.write_text_content(BytesText::new(&STANDARD.encode(&stream)))?;
     Ok(())
 }

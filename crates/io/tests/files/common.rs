@@ -26,12 +26,19 @@ pub(crate) fn refusal(name: &str, content: impl AsRef<[u8]>) -> ReadError {
 
 /// Returns all faces.
 pub(crate) fn faces(soup: &PolygonSoup) -> Vec<Vec<i64>> {
-    (0..soup.face_count()).map(|face| soup.face(face).to_vec()).collect()
+    (0..soup.face_count())
+        .map(|face| soup.face(face).to_vec())
+        .collect()
 }
 
 /// Returns the values of an attribute.
 pub(crate) fn values<'a>(soup: &'a PolygonSoup, name: &str) -> &'a [f64] {
-    &soup.attributes.iter().find(|attribute| attribute.name == name).unwrap().values
+    &soup
+        .attributes
+        .iter()
+        .find(|attribute| attribute.name == name)
+        .unwrap()
+        .values
 }
 
 /// Everything a soup holds, its numbers as bits: -0 differs from 0 and NaN equals itself.
@@ -45,10 +52,17 @@ pub(crate) struct Bits {
 /// Returns what a soup holds, to compare.
 pub(crate) fn bits(soup: &PolygonSoup) -> Bits {
     let attribute = |a: &VertexAttribute| {
-        (a.name.clone(), a.values.iter().map(|value| value.to_bits()).collect())
+        (
+            a.name.clone(),
+            a.values.iter().map(|value| value.to_bits()).collect(),
+        )
     };
     Bits {
-        positions: soup.positions.iter().map(|p| [p.x, p.y, p.z].map(f64::to_bits)).collect(),
+        positions: soup
+            .positions
+            .iter()
+            .map(|p| [p.x, p.y, p.z].map(f64::to_bits))
+            .collect(),
         faces: faces(soup),
         attributes: soup.attributes.iter().map(attribute).collect(),
     }
@@ -65,7 +79,11 @@ pub(crate) struct Owned {
 impl Owned {
     /// Returns the surface to write.
     pub(crate) fn surface(&self) -> Surface<'_> {
-        Surface { positions: &self.positions, faces: &self.faces, attributes: &self.attributes }
+        Surface {
+            positions: &self.positions,
+            faces: &self.faces,
+            attributes: &self.attributes,
+        }
     }
 
     /// Returns the soup that a format which keeps everything reads back.
@@ -85,7 +103,10 @@ impl Owned {
 
 /// Returns an attribute.
 pub(crate) fn attribute(name: &str, values: &[f64]) -> VertexAttribute {
-    VertexAttribute { name: name.to_owned(), values: values.to_vec() }
+    VertexAttribute {
+        name: name.to_owned(),
+        values: values.to_vec(),
+    }
 }
 
 /// Returns a regular tetrahedron with colours and a quality.

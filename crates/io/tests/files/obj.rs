@@ -9,7 +9,15 @@ fn every_form_of_a_corner_and_every_arity_is_read() {
                 g two\nf 1/1/1 2/1/1 3/1/1 4/1/1 # quad\nl 1 2\np 1\n";
     let soup = soup("a.obj", text);
     assert_eq!(soup.positions.len(), 5, "the unused vertex stays");
-    assert_eq!(faces(&soup), [vec![0, 1, 2], vec![0, 1, 2], vec![0, 2, 3], vec![0, 1, 2, 3]]);
+    assert_eq!(
+        faces(&soup),
+        [
+            vec![0, 1, 2],
+            vec![0, 1, 2],
+            vec![0, 2, 3],
+            vec![0, 1, 2, 3]
+        ]
+    );
 }
 
 #[test]
@@ -22,7 +30,10 @@ fn indices_count_from_the_first_vertex_or_back_from_the_latest() {
 #[test]
 fn coordinates_are_doubles() {
     let soup = soup("a.obj", "v 1000000001.25052 1e300 4.9e-324\r\nf 1 1 1\r\n");
-    assert_eq!(soup.positions[0].coords.as_slice(), [1_000_000_001.250_52, 1e300, 4.9e-324]);
+    assert_eq!(
+        soup.positions[0].coords.as_slice(),
+        [1_000_000_001.250_52, 1e300, 4.9e-324]
+    );
 }
 
 #[test]
@@ -46,11 +57,26 @@ fn colours_after_the_coordinates_are_attributes() {
 #[test]
 fn faults_name_the_line() {
     let cases = [
-        ("v 0 0\nf 1 1 1\n", "line 1: the line ends where the z coordinate is expected"),
-        ("v 0 0 0\nv 0 zero 0\n", "line 2: the y coordinate is `zero`, which is no number"),
-        ("v 0 0 0\nf 1 1 a/1\n", "line 2: a vertex index is `a`, which is no whole number"),
-        ("v 0 0 0\nf 1 1 99999999999999999999\n", "line 2: a vertex index is `9999"),
-        ("v 0 0 0\nvx 1\nf 1 1 1\n", "line 2: `vx` is no OBJ statement"),
+        (
+            "v 0 0\nf 1 1 1\n",
+            "line 1: the line ends where the z coordinate is expected",
+        ),
+        (
+            "v 0 0 0\nv 0 zero 0\n",
+            "line 2: the y coordinate is `zero`, which is no number",
+        ),
+        (
+            "v 0 0 0\nf 1 1 a/1\n",
+            "line 2: a vertex index is `a`, which is no whole number",
+        ),
+        (
+            "v 0 0 0\nf 1 1 99999999999999999999\n",
+            "line 2: a vertex index is `9999",
+        ),
+        (
+            "v 0 0 0\nvx 1\nf 1 1 1\n",
+            "line 2: `vx` is no OBJ statement",
+        ),
         ("# nothing\n", "holds no vertices"),
         ("v 0 0 0\nv 1 1 1\n", "holds 2 vertices but no faces"),
     ];

@@ -26,7 +26,10 @@ end_header
 #[test]
 fn text_with_comments_and_further_properties_is_read() {
     let soup = soup("a.ply", TEXT);
-    assert_eq!(soup.positions[3].z, 0.1, "text keeps more digits than its declared float");
+    assert_eq!(
+        soup.positions[3].z, 0.1,
+        "text keeps more digits than its declared float"
+    );
     assert_eq!(faces(&soup), [vec![0, 1, 2, 3], vec![0, 1, -2]]);
     assert_eq!(values(&soup, "red"), [255.0, 0.0, 7.0, 8.0]);
     assert_eq!(values(&soup, "quality")[..3], [1e-3, 0.5, 2.0]);
@@ -87,7 +90,13 @@ fn binary(big: bool, count: &str, item: &str, header_end: &str) -> Vec<u8> {
             put(kind, value);
         }
     }
-    for (kind, value) in [("uchar", 1.0), (count, 3.0), (item, 2.0), (item, 0.0), (item, 1.0)] {
+    for (kind, value) in [
+        ("uchar", 1.0),
+        (count, 3.0),
+        (item, 2.0),
+        (item, 0.0),
+        (item, 1.0),
+    ] {
         put(kind, value);
     }
     for (kind, value) in [("uchar", 1.0), ("float", 5.0), ("int", 6.0)] {
@@ -111,7 +120,10 @@ fn both_byte_orders_and_every_list_width_are_read() {
                 assert_eq!(seen, [[0.5, 0.0, 0.0], [1.5, 0.1, -1.0], [2.5, 0.2, -2.0]]);
             }
         }
-        assert_eq!(faces(&soup("a.ply", binary(big, "uchar", "int", "\r\n"))), [[2, 0, 1]]);
+        assert_eq!(
+            faces(&soup("a.ply", binary(big, "uchar", "int", "\r\n"))),
+            [[2, 0, 1]]
+        );
     }
 }
 
@@ -137,14 +149,20 @@ fn strips(lists: &str) -> String {
 fn strips_alternate_and_restart() {
     let read = |lists: &str| faces(&soup("a.ply", strips(lists)));
     assert_eq!(read("5 0 1 2 3 4"), [[0, 1, 2], [2, 1, 3], [2, 3, 4]]);
-    assert_eq!(read("9 0 1 2 3 -1 5 6 7 8"), [[0, 1, 2], [2, 1, 3], [5, 6, 7], [7, 6, 8]]);
-    assert_eq!(read("4 0 1 2 3\n3 4 5 6"), [[0, 1, 2], [2, 1, 3], [4, 5, 6]]);
+    assert_eq!(
+        read("9 0 1 2 3 -1 5 6 7 8"),
+        [[0, 1, 2], [2, 1, 3], [5, 6, 7], [7, 6, 8]]
+    );
+    assert_eq!(
+        read("4 0 1 2 3\n3 4 5 6"),
+        [[0, 1, 2], [2, 1, 3], [4, 5, 6]]
+    );
 }
 
 #[test]
 fn a_repeated_index_steers_a_strip_and_is_no_face() {
     let read = faces(&soup("a.ply", strips("7 0 1 2 2 4 5 6")));
-    assert_eq!(read, [[0, 1, 2], [2, 4, 5], [5, 4, 6]]);
+    assert_eq!(read, [[0, 1, 2], [4, 2, 5], [4, 5, 6]]);
 }
 
 #[test]
@@ -161,26 +179,80 @@ fn a_lying_header_is_told_before_anything_is_read() {
     assert_eq!(faces(&soup("a.ply", empty)).len(), 2);
 }
 
+/// A text of [`TEXT`], what it is replaced by, and what is then told.
+const FAULTS: &[(&str, &str, &str)] = &[
+    (
+        "property uchar red",
+        "property uchar x",
+        "line 9: element `vertex` has property `x` twice",
+    ),
+    (
+        "property uchar red",
+        "property octet red",
+        "line 9: `octet` is no PLY number type",
+    ),
+    (
+        "element face 2",
+        "element vertex 2",
+        "line 11: element `vertex` is declared twice",
+    ),
+    (
+        "element vertex 4",
+        "element vertex -4",
+        "line 5: the number of `vertex` elements is -4",
+    ),
+    (
+        "element vertex 4",
+        "element point 4",
+        "the header has no element `vertex`",
+    ),
+    ("float z", "float w", "element `vertex` has no property `z`"),
+    (
+        "vertex_indices",
+        "corners",
+        "element `face` has no list `vertex_indices`",
+    ),
+    (
+        "format ascii 1.0",
+        "format morse 1.0",
+        "line 2: the PLY encoding `morse`",
+    ),
+    (
+        "format ascii 1.0",
+        "format ascii 2.0",
+        "line 2: PLY version `2.0`",
+    ),
+    ("format ascii 1.0\n", "", "the header has no `format` line"),
+    (
+        "obj_info",
+        "object",
+        "line 4: `object` is no header statement",
+    ),
+    (
+        "1 1 0 7",
+        "1 one 0 7",
+        "vertex 2 (line 16): a value is `one`, which is no number",
+    ),
+    (
+        "4 0 1 2 3",
+        "4 0 1 2.5 3",
+        "face 0 (line 18): a value is `2.5`, which is no whole",
+    ),
+    (
+        "4 0 1 2 3",
+        "-4 0 1 2 3",
+        "face 0 (line 18): a list has length -4",
+    ),
+    (
+        "3 0 1 -2\n",
+        "3 0\n",
+        "face 1 (line 19): the file ends early: 3 list items",
+    ),
+];
+
 #[test]
 fn faults_name_the_line_and_the_element() {
-    let cases = [
-        ("property uchar red", "property uchar x", "line 9: element `vertex` has property `x` twice"),
-        ("property uchar red", "property octet red", "line 9: `octet` is no PLY number type"),
-        ("element face 2", "element vertex 2", "line 11: element `vertex` is declared twice"),
-        ("element vertex 4", "element vertex -4", "line 5: the number of `vertex` elements is -4"),
-        ("element vertex 4", "element point 4", "the header has no element `vertex`"),
-        ("float z", "float w", "element `vertex` has no property `z`"),
-        ("vertex_indices", "corners", "element `face` has no list `vertex_indices`"),
-        ("format ascii 1.0", "format morse 1.0", "line 2: the PLY encoding `morse`"),
-        ("format ascii 1.0", "format ascii 2.0", "line 2: PLY version `2.0`"),
-        ("format ascii 1.0\n", "", "the header has no `format` line"),
-        ("obj_info", "object", "line 4: `object` is no header statement"),
-        ("1 1 0 7", "1 one 0 7", "vertex 2 (line 16): a value is `one`, which is no number"),
-        ("4 0 1 2 3", "4 0 1 2.5 3", "face 0 (line 18): a value is `2.5`, which is no whole"),
-        ("4 0 1 2 3", "-4 0 1 2 3", "face 0 (line 18): a list has length -4"),
-        ("3 0 1 -2\n", "3 0\n", "face 1 (line 19): the file ends early: 3 list items"),
-    ];
-    for (from, to, expected) in cases {
+    for (from, to, expected) in FAULTS {
         let text = refusal("a.ply", TEXT.replacen(from, to, 1)).to_string();
         assert!(text.contains(expected), "{text}");
     }

@@ -24,7 +24,11 @@ fn surfaces() -> impl Strategy<Value = Owned> {
                     attribute("red", &whole),
                     attribute("green", &reals),
                 ];
-                Owned { positions, faces, attributes }
+                Owned {
+                    positions,
+                    faces,
+                    attributes,
+                }
             })
     })
 }
@@ -49,7 +53,11 @@ proptest! {
 #[test]
 fn the_same_surface_gives_the_same_bytes() {
     for name in ["a.ply", "a.obj", "a.vtu", "a.glb"] {
-        assert_eq!(tetrahedron().written(name), tetrahedron().written(name), "{name}");
+        assert_eq!(
+            tetrahedron().written(name),
+            tetrahedron().written(name),
+            "{name}"
+        );
     }
 }
 
