@@ -1,0 +1,63 @@
+//! Which format a file is in.
+
+use std::fmt;
+use std::path::Path;
+
+use crate::{off, ply, stl};
+
+/// A format that can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Format {
+    /// Wavefront OBJ.
+    Obj,
+    /// Geomview OFF.
+    Off,
+    /// Stanford PLY.
+    Ply,
+    /// Stereolithography STL.
+    Stl,
+}
+
+impl Format {
+    /// Returns the format of a file with these bytes and this name: by content where the format
+    /// has a mark of its own, else by extension.
+    #[must_use]
+    pub fn detect(path: &Path, bytes: &[u8]) -> Option<Self> {
+        if ply::has_magic(bytes) {
+            Some(Self::Ply)
+        } else if off::has_magic(bytes) {
+            Some(Self::Off)
+        } else if stl::has_magic(bytes) {
+            Some(Self::Stl)
+        } else {
+            Self::from_extension(path)
+        }
+    }
+
+    fn from_extension(path: &Path) -> Option<Self> {
+        match extension(path)?.as_str() {
+            "obj" => Some(Self::Obj),
+            "off" | "coff" | "noff" => Some(Self::Off),
+            "ply" => Some(Self::Ply),
+            "stl" => Some(Self::Stl),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Obj => "OBJ",
+            Self::Off => "OFF",
+            Self::Ply => "PLY",
+            Self::Stl => "STL",
+        })
+    }
+}
+
+/// Returns the extension in lower case, without its dot.
+pub(crate) fn extension(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
+}

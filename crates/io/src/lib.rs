@@ -1,0 +1,36 @@
+//! Readers and writers of surface meshes.
+//!
+//! [`read_soup`] takes OBJ, OFF, PLY and STL files and returns what they say, in file order, with
+//! nothing about the mesh checked: an index may lie outside, a coordinate may be NaN. Whether the
+//! soup is a mesh is for `msplines_common::mesh` to tell. What no soup can hold is a [`ReadError`]
+//! that names the file, the place, the fault and what to do. Memory is bounded by the size of the
+//! file, whatever its header claims.
+//!
+//! [`write_surface`] writes PLY, OBJ, VTU and glb. Every file is written beside its target and
+//! renamed, so that a target is whole or absent, and the same surface gives the same bytes.
+//!
+//! | format | read | write | coordinates written | attributes written |
+//! |---|---|---|---|---|
+//! | PLY | text, both binary orders, strips | binary, little-endian | double | all |
+//! | OBJ | polygons, vertex colours | text | double | none |
+//! | OFF | text, also with normals and colours | | | |
+//! | STL | text, binary | | | |
+//! | VTU | | XML with base64 data | double | all |
+//! | glb | | glTF 2.0 | single | colours |
+
+mod digest;
+mod error;
+mod format;
+mod obj;
+mod off;
+mod output;
+mod ply;
+mod read;
+mod stl;
+mod text;
+
+pub use digest::sha256_file;
+pub use error::{Place, ReadError};
+pub use format::Format;
+pub use output::{OutputFormat, Surface, WriteError, write_atomically, write_surface};
+pub use read::{parse_soup, read_soup};

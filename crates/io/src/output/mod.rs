@@ -1,0 +1,173 @@
+//! From a surface to a file.
+
+mod atomic;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use msplines_common::mesh::VertexAttribute;
+use nalgebra::Point3;
+
+pub use atomic::write_atomically;
+
+use crate::format::extension;
+use crate::{obj, ply};
+
+/// A triangle surface to write. Attributes have one value per position.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface<'a> {
+    /// Vertex positions.
+    pub positions: &'a [Point3<f64>],
+    /// Corners of each triangle, zero-based.
+    pub faces: &'a [[u32; 3]],
+    /// Per-vertex data beyond the positions.
+    pub attributes: &'a [VertexAttribute],
+}
+
+/// A format that can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum OutputFormat {
+    /// Binary PLY in double precision.
+    Ply,
+    /// Wavefront OBJ.
+    Obj,
+}
+
+impl OutputFormat {
+    /// Returns the format that the extension of `path` asks for.
+    #[must_use]
+    pub fn of(path: &Path) -> Option<Self> {
+        match extension(path)?.as_str() {
+            "ply" => Some(Self::Ply),
+            "obj" => Some(Self::Obj),
+            _ => None,
+        }
+    }
+}
+
+/// Why a surface cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The extension tells no format.
+    #[error("{} asks for no known format; name it .ply or .obj", path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file cannot be written.
+    #[error(
+        "cannot write {}: {source}; check that its folder exists, may be written and has room",
+        path.display()
+    )]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The operating system's reason.
+        source: io::Error,
+    },
+    /// A face names a vertex that does not exist.
+    #[error("face {face} names vertex {vertex}, but there are {vertices} vertices")]
+    IndexOutOfRange {
+        /// The face.
+        face: usize,
+        /// The index it holds.
+        vertex: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// A position or attribute is NaN or infinite, or becomes so in the precision of the format.
+    #[error("`{name}` of vertex {vertex} is not finite in this format; leave the vertex out")]
+    NotFinite {
+        /// `position`, or the name of the attribute.
+        name: String,
+        /// The vertex.
+        vertex: usize,
+    },
+    /// An attribute has not one value per vertex.
+    #[error("attribute `{name}` has {values} values for {vertices} vertices; give one for each")]
+    AttributeLength {
+        /// The attribute.
+        name: String,
+        /// How many values it has.
+        values: usize,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// An attribute has a name the formats cannot hold.
+    #[error(
+        "attribute `{name}` cannot be written; give each attribute one name of its own, \
+         without white space and other than x, y and z"
+    )]
+    AttributeName {
+        /// The name.
+        name: String,
+    },
+}
+
+/// Writes a surface in the format that the extension of `path` asks for.
+///
+/// The file is written beside `path` and renamed; on an error nothing is left behind. The same
+/// surface gives the same bytes.
+///
+/// # Errors
+/// The extension is unknown, the file cannot be written, or the surface is not fit to be: an index
+/// out of range, a number that is not finite, an attribute of another length or without a name.
+pub fn write_surface(path: &Path, surface: &Surface<'_>) -> Result<(), WriteError> {
+    let Some(format) = OutputFormat::of(path) else {
+        return Err(WriteError::UnknownFormat {
+            path: path.to_owned(),
+        });
+    };
+    check(surface)?;
+    match format {
+        OutputFormat::Ply => write_atomically(path, |to| ply::write(surface, to)),
+        OutputFormat::Obj => write_atomically(path, |to| obj::write(surface, to)),
+    }
+}
+
+fn check(surface: &Surface<'_>) -> Result<(), WriteError> {
+    let vertices = surface.positions.len();
+    for (face, corners) in surface.faces.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= vertices) {
+            return Err(WriteError::IndexOutOfRange {
+                face,
+                vertex,
+                vertices,
+            });
+        }
+    }
+    let infinite = |p: &Point3<f64>| p.iter().any(|x| !x.is_finite());
+    if let Some(vertex) = surface.positions.iter().position(infinite) {
+        return Err(WriteError::NotFinite {
+            name: "position".to_owned(),
+            vertex,
+        });
+    }
+    for (i, attribute) in surface.attributes.iter().enumerate() {
+        let name = &attribute.name;
+        let taken = surface.attributes[..i]
+            .iter()
+            .any(|other| other.name == *name);
+        let reserved = matches!(name.as_str(), "" | "x" | "y" | "z");
+        if taken || reserved || name.chars().any(|c| c.is_whitespace() || c.is_control()) {
+            return Err(WriteError::AttributeName { name: name.clone() });
+        }
+        let values = attribute.values.len();
+        if values != vertices {
+            return Err(WriteError::AttributeLength {
+                name: name.clone(),
+                values,
+                vertices,
+            });
+        }
+        if let Some(vertex) = attribute.values.iter().position(|value| !value.is_finite()) {
+            return Err(WriteError::NotFinite {
+                name: name.clone(),
+                vertex,
+            });
+        }
+    }
+    Ok(())
+}
