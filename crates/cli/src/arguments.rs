@@ -86,6 +86,9 @@ pub(crate) struct FitFiles {
     /// Fit these vertex attributes instead of the positions, such as red,green,blue.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) attributes: Vec<String>,
+    /// Measure the two-sided distance between the surfaces as well; takes a few seconds.
+    #[arg(long)]
+    pub(crate) distance: bool,
     /// Write only the digest of the mesh file into a .json, not the mesh.
     #[arg(long)]
     pub(crate) domain_by_digest: bool,

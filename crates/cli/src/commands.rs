@@ -52,10 +52,12 @@ fn case(files: &FitFiles, method: Method, session: &Session) -> Case {
         DomainStorage::Embedded
     };
     let outputs = files.outputs.clone();
+    let measure_distance = files.distance;
     Case {
         data,
         domain,
         outputs,
+        measure_distance,
         seed: session.seed,
         ..Case::new(input, method)
     }

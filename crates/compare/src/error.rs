@@ -74,6 +74,9 @@ pub enum RunError {
     /// The fitted or stored spline could not be evaluated.
     #[error(transparent)]
     Spline(#[from] SplineFileError),
+    /// The distance between the surfaces cannot be measured.
+    #[error("--distance: {0}")]
+    Distance(#[from] msplines_common::metrics::DistanceError),
     /// The spline is not finite everywhere.
     #[error(
         "the spline is not finite at vertex {vertex}: the mesh is too badly shaped for this Laplacian; try --intrinsic-delaunay"
@@ -92,7 +95,9 @@ impl RunError {
             Self::Amount { .. } | Self::UnknownOutput { .. } | Self::Write { .. } => exit::USAGE,
             Self::Input { .. } | Self::NoSuchAttribute { .. } => exit::INPUT,
             Self::Spline(error) => error.exit_code(),
-            Self::Biharmonic(_) | Self::LsMesh(_) | Self::NotFinite { .. } => exit::METHOD,
+            Self::Biharmonic(_) | Self::LsMesh(_) | Self::Distance(_) | Self::NotFinite { .. } => {
+                exit::METHOD
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use msplines_common::metrics::{UnitCubeError, VertexError};
+use msplines_common::metrics::{Distance, UnitCubeError, VertexError};
 use msplines_common::progress::Outcome;
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +34,7 @@ pub struct Record {
     /// The same errors over the longest side of the bounding box; only for positions.
     pub error_unit_cube: Option<UnitCubeError>,
     /// Two-sided distance between the surfaces, where it was asked for.
-    pub distance: Option<DistanceMeasure>,
+    pub distance: Option<Distance>,
     /// Flat values of the method, such as its number of iterations.
     pub checks: BTreeMap<String, serde_json::Value>,
     /// Where the time went.
@@ -107,18 +107,6 @@ pub struct InputFacts {
     pub genus: Option<u64>,
     /// Number of boundary loops.
     pub boundary_loops: u64,
-}
-
-/// Two-sided distance between input surface and tessellated spline, over the input's diagonal.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DistanceMeasure {
-    /// Mean of both directions.
-    pub mean: f64,
-    /// Root of the mean square of both directions.
-    pub rms: f64,
-    /// Largest of both directions.
-    pub max: f64,
 }
 
 /// Where the time went, in seconds.

@@ -65,7 +65,11 @@ pub fn run(
     let (mesh, values) = fitted.stored.evaluate(&input.mesh, case.subdivide)?;
     check_finite(&values, data.dimension)?;
     enter("measure", &mut clock, observer);
-    let measured = measure::against_data(&input, &data, &values, &case.data);
+    let mut measured = measure::against_data(&input, &data, &values, &case.data);
+    if case.measure_distance && case.data == Data::Positions {
+        let found = measure::surface_distance(&fitted.stored, &input.mesh, case.seed)?;
+        measured.distance = Some(found);
+    }
     let options = options(case, &fitted.options);
     let spline = SplineFile::new(domain(case, &input), options, fitted.stored);
     enter("write", &mut clock, observer);

@@ -141,3 +141,23 @@ fn a_record_holds_what_a_reader_needs() {
         assert!(record.seconds.phases.contains_key(phase), "{phase}");
     }
 }
+
+#[test]
+fn the_distance_between_the_surfaces_is_measured_when_asked_for() {
+    let workbench = Workbench::new();
+    for method in ["biharmonic --knots", "ls-mesh --controls"] {
+        let fit = format!("fit {method} 20% mesh.ply --report r.json");
+        workbench.expect(0, &fit);
+        assert!(workbench.json("r.json")["distance"].is_null());
+        workbench.expect(0, &format!("{fit} --distance"));
+        let record = workbench.json("r.json");
+        let [mean, rms, max] =
+            ["mean", "rms", "max"].map(|m| record["distance"][m].as_f64().expect("a number"));
+        // The nearest point of the other surface is no farther than the vertex's own image.
+        let vertex_max = record["error"]["max"].as_f64().expect("a number");
+        assert!(
+            0.0 < mean && mean <= rms && rms <= max && mean < vertex_max,
+            "{record}"
+        );
+    }
+}
