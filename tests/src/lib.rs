@@ -49,10 +49,20 @@ fn biharmonic(
         Places::Chosen(count) => KnotChoice::Optimised { count },
         Places::Given(vertices) => KnotChoice::Given(vertices),
     };
-    let options = Options { knots, ..Options::default() };
+    let options = Options {
+        knots,
+        ..Options::default()
+    };
     let fitted = fit(mesh, data, &options, observer).map_err(|error| error.to_string())?;
-    let values = fitted.spline.vertex_values().map_err(|error| error.to_string())?;
-    Ok(Fitted { spline: Box::new(fitted.spline), values, outcome: fitted.report.outcome })
+    let values = fitted
+        .spline
+        .vertex_values()
+        .map_err(|error| error.to_string())?;
+    Ok(Fitted {
+        spline: Box::new(fitted.spline),
+        values,
+        outcome: fitted.report.outcome,
+    })
 }
 
 fn ls_mesh(
@@ -66,22 +76,34 @@ fn ls_mesh(
         Places::Chosen(count) => ControlChoice::Selected { count },
         Places::Given(vertices) => ControlChoice::Given(vertices),
     };
-    let options = Options { controls, ..Options::default() };
+    let options = Options {
+        controls,
+        ..Options::default()
+    };
     let fitted = fit(mesh, data, &options, observer).map_err(|error| error.to_string())?;
     let values = fitted.spline.vertex_values().to_vec();
-    Ok(Fitted { spline: Box::new(fitted.spline), values, outcome: fitted.report.outcome })
+    Ok(Fitted {
+        spline: Box::new(fitted.spline),
+        values,
+        outcome: fitted.report.outcome,
+    })
 }
 
 /// Returns the positions of a mesh as vertex data of dimension 3.
 #[must_use]
 pub fn positions(mesh: &TriangleMesh) -> Vec<f64> {
-    mesh.positions().iter().flat_map(|p| [p.x, p.y, p.z]).collect()
+    mesh.positions()
+        .iter()
+        .flat_map(|p| [p.x, p.y, p.z])
+        .collect()
 }
 
 /// Returns `count` vertices spread evenly over the numbering.
 #[must_use]
 pub fn spread(mesh: &TriangleMesh, count: usize) -> Vec<u32> {
-    (0..count).map(|k| (k * mesh.vertex_count() / count) as u32).collect()
+    (0..count)
+        .map(|k| (k * mesh.vertex_count() / count) as u32)
+        .collect()
 }
 
 /// Returns the mean distance between two lists of points.
@@ -90,7 +112,11 @@ pub fn mean_distance(a: &[f64], b: &[f64]) -> f64 {
     let (a, _) = a.as_chunks::<3>();
     let (b, _) = b.as_chunks::<3>();
     let distances = a.iter().zip(b).map(|(a, b)| {
-        a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+        a.iter()
+            .zip(b)
+            .map(|(a, b)| (a - b).powi(2))
+            .sum::<f64>()
+            .sqrt()
     });
     distances.sum::<f64>() / a.len() as f64
 }
@@ -98,5 +124,8 @@ pub fn mean_distance(a: &[f64], b: &[f64]) -> f64 {
 /// Returns the largest difference between two lists of numbers.
 #[must_use]
 pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
 }

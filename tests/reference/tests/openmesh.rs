@@ -34,9 +34,19 @@ fn euler_characteristic_and_boundary_agree() {
             (topology.boundary_loops().len(), theirs.boundary_loops),
             (boundary, theirs.boundary_vertices),
         ];
-        comparison.add(&name, pairs.map(|(ours, theirs)| ours.abs_diff(theirs) as f64));
-        comparison.add(&name, [topology.euler_characteristic().abs_diff(euler) as f64]);
-        assert_eq!((theirs.refused_faces, theirs.non_manifold_vertices), (0, 0), "{name}");
+        comparison.add(
+            &name,
+            pairs.map(|(ours, theirs)| ours.abs_diff(theirs) as f64),
+        );
+        comparison.add(
+            &name,
+            [topology.euler_characteristic().abs_diff(euler) as f64],
+        );
+        assert_eq!(
+            (theirs.refused_faces, theirs.non_manifold_vertices),
+            (0, 0),
+            "{name}"
+        );
     }
     comparison.finish();
 }
@@ -54,7 +64,11 @@ fn damage(faces: &mut Vec<[u32; 3]>, random: &mut Pcg64Mcg) {
         // Two vertices become one: usually a bow tie.
         3 => {
             let (from, to) = (faces[face][0], faces[other][1]);
-            faces.iter_mut().flatten().filter(|v| **v == from).for_each(|v| *v = to);
+            faces
+                .iter_mut()
+                .flatten()
+                .filter(|v| **v == from)
+                .for_each(|v| *v = to);
             faces.retain(|[a, b, c]| a != b && b != c && c != a);
         }
         _ => faces.swap(face, other),
@@ -68,13 +82,23 @@ fn compact(faces: &[[u32; 3]]) -> (usize, Vec<[u32; 3]>) {
         let next = numbers.len() as u32;
         numbers.entry(vertex).or_insert(next);
     }
-    (numbers.len(), faces.iter().map(|face| face.map(|vertex| numbers[&vertex])).collect())
+    (
+        numbers.len(),
+        faces
+            .iter()
+            .map(|face| face.map(|vertex| numbers[&vertex]))
+            .collect(),
+    )
 }
 
 #[test]
 fn damaged_meshes_are_judged_manifold_or_not_alike() {
-    let mut comparison =
-        Comparison::new("manifold or not", Library::OpenMesh, 0.0, "both answer yes or no");
+    let mut comparison = Comparison::new(
+        "manifold or not",
+        Library::OpenMesh,
+        0.0,
+        "both answer yes or no",
+    );
     let mut manifold = 0;
     let mut broken = 0;
     for (name, mesh) in meshes::generated() {
@@ -88,11 +112,18 @@ fn damaged_meshes_are_judged_manifold_or_not_alike() {
             let theirs = openmesh_facts(&vec![Point3::origin(); count], &faces);
             let theirs = theirs.refused_faces == 0 && theirs.non_manifold_vertices == 0;
             let ours = Topology::build(count, faces).is_ok();
-            if ours { manifold += 1 } else { broken += 1 }
+            if ours {
+                manifold += 1
+            } else {
+                broken += 1
+            }
             comparison.add(&name, [f64::from(u8::from(ours != theirs))]);
         }
     }
-    assert!(manifold > 50 && broken > 50, "{manifold} manifold, {broken} broken: one side only");
+    assert!(
+        manifold > 50 && broken > 50,
+        "{manifold} manifold, {broken} broken: one side only"
+    );
     comparison.finish();
 }
 
@@ -130,7 +161,9 @@ fn deviations(mesh: &TriangleMesh) -> Vec<f64> {
     let expected = mesh.vertex_count() + mesh.topology().edge_count();
     assert_eq!((ours.len(), theirs.len()), (expected, expected));
     let diagonal = mesh.diagonal();
-    ours.iter().map(|(key, point)| (point - theirs[key]).norm() / diagonal).collect()
+    ours.iter()
+        .map(|(key, point)| (point - theirs[key]).norm() / diagonal)
+        .collect()
 }
 
 #[test]
