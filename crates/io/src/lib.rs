@@ -21,6 +21,7 @@
 mod digest;
 mod error;
 mod format;
+mod glb;
 mod obj;
 mod off;
 mod output;
@@ -28,6 +29,7 @@ mod ply;
 mod read;
 mod stl;
 mod text;
+mod vtu;
 
 pub use digest::sha256_file;
 pub use error::{Place, ReadError};

@@ -129,10 +129,10 @@ fn read_vertex(
     Ok(())
 }
 
-fn read_face(mut words: Words<'_>, soup: &mut PolygonSoup) -> Result<(), Fault> {
+fn read_face(words: Words<'_>, soup: &mut PolygonSoup) -> Result<(), Fault> {
     let vertices = soup.positions.len() as i64;
     let place = words.place();
-    while let Some(word) = words.next() {
+    for word in words {
         let index = word.split(|&b| b == b'/').next().unwrap_or_default();
         let index = text::integer(index, "a vertex index", || place.clone())?;
         let zero_based = if index < 0 {

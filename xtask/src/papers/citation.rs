@@ -33,10 +33,11 @@ pub(super) fn collect(file: &File) -> Vec<Citation> {
         let goes_on = inside && doc.is_some_and(|text| !text.is_empty() && !text.starts_with('#'));
         let starts = doc.is_some_and(|text| text.starts_with('['));
         if !goes_on || starts {
+            let ended = entry.take();
             found.extend(
-                entry
-                    .take()
-                    .and_then(|(at, text)| parse(file, &lines, at, &text)),
+                ended
+                    .into_iter()
+                    .flat_map(|(at, text)| parse(file, &lines, at, &text)),
             );
         }
         match doc {
@@ -52,7 +53,11 @@ pub(super) fn collect(file: &File) -> Vec<Citation> {
             _ => inside = false,
         }
     }
-    found.extend(entry.and_then(|(at, text)| parse(file, &lines, at, &text)));
+    found.extend(
+        entry
+            .into_iter()
+            .flat_map(|(at, text)| parse(file, &lines, at, &text)),
+    );
     found
 }
 
@@ -64,17 +69,37 @@ fn doc_text(line: &str) -> Option<&str> {
         .map(str::trim)
 }
 
-fn parse(file: &File, lines: &[&str], at: usize, text: &str) -> Option<Citation> {
-    let (key, rest) = text.strip_prefix('[')?.split_once(']')?;
-    let (places, deviation) = rest.split_once("Deviation:").unwrap_or((rest, ""));
-    Some(Citation {
+/// Returns the citations of an entry: one, or several set apart by semicolons.
+fn parse(file: &File, lines: &[&str], at: usize, text: &str) -> Vec<Citation> {
+    let (places, deviation) = text.split_once("Deviation:").unwrap_or((text, ""));
+    let cited = places
+        .split(';')
+        .filter_map(|part| part.trim().strip_prefix('[')?.split_once(']'));
+    let citations = cited.map(|(key, places)| Citation {
         key: key.to_owned(),
         items: places_in(places),
-        deviation: deviation.trim().to_owned(),
+        deviation: without_links(deviation.trim()),
         path: file.path.clone(),
         line: at + 1,
         name: name_of(file, lines, at),
-    })
+    });
+    citations.collect()
+}
+
+/// Returns the text with `[text](target)` replaced by its text: targets are meant for rustdoc.
+fn without_links(text: &str) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some(middle) = rest.find("](") {
+        let (Some(start), Some(length)) = (rest[..middle].rfind('['), rest[middle..].find(')'))
+        else {
+            break;
+        };
+        out.push_str(&rest[..start]);
+        out.push_str(&rest[start + 1..middle]);
+        rest = &rest[middle + length + 1..];
+    }
+    out + rest
 }
 
 /// Returns the places that `Eqs. (1), (2) and Alg. 3, §5.1` names, one by one.
@@ -147,7 +172,7 @@ fn module_of(path: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{collect, places_in};
+    use super::{collect, places_in, without_links};
     use crate::tree::File;
 
     #[test]
@@ -164,6 +189,18 @@ mod tests {
                 "Theorem 2"
             ]
         );
+    }
+
+    #[test]
+    fn several_sources_may_share_an_entry_and_links_lose_their_targets() {
+        let code =
+            "/// # Reference\n/// [A2000]; [B2001] §2. Deviation: as [`X`](super::X).\nfn f() {}";
+        let found = collect(&File::new("crates/io/src/a.rs", code));
+        let keys: Vec<_> = found.iter().map(|c| c.key.as_str()).collect();
+        assert_eq!(keys, ["A2000", "B2001"]);
+        assert_eq!(found[1].items, ["§2"]);
+        assert_eq!(found[0].deviation, "as `X`.");
+        assert_eq!(without_links("no (links) [here]"), "no (links) [here]");
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! Tests against established C++ libraries, which are installed where that is allowed.
 
+use std::fs;
 use std::path::Path;
 
 use super::steps::{self, Step};
+use crate::tree;
 
 /// Debian packages, and a header of each that shows it is there.
 const LIBRARIES: [(&str, &str); 4] = [
@@ -27,7 +29,29 @@ pub(super) fn run() -> Step {
     }
     let mut arguments = steps::test_runner();
     arguments.extend(["--package", "msplines-reference"]);
-    steps::cargo(&arguments)
+    let step = steps::cargo(&arguments);
+    match gather() {
+        Ok(()) => step,
+        Err(error) => Step::failed(format!("target/reference.json was not written: {error}")),
+    }
+}
+
+/// Gathers what each test left in `target/reference` into one list for programs.
+fn gather() -> std::io::Result<()> {
+    let target = tree::root().join("target");
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(target.join("reference"))? {
+        paths.push(entry?.path());
+    }
+    paths.sort();
+    let records = paths
+        .iter()
+        .map(fs::read_to_string)
+        .collect::<Result<Vec<_>, _>>()?;
+    fs::write(
+        target.join("reference.json"),
+        format!("[\n{}\n]\n", records.join(",\n")),
+    )
 }
 
 fn missing_packages() -> Vec<&'static str> {

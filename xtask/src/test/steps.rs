@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 use std::fmt;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use crate::tree;
@@ -62,6 +62,16 @@ impl Step {
     }
 }
 
+/// Variable that names the folder of models.
+const MODELS: &str = "MSPLINES_MODELS";
+
+/// Returns the folder of models as a path that means the same to every test, whatever folder it
+/// runs in.
+fn models() -> Option<PathBuf> {
+    let models = std::env::var_os(MODELS)?;
+    std::env::current_dir().ok().map(|here| here.join(models))
+}
+
 /// Runs cargo with these arguments.
 pub(super) fn cargo(arguments: &[&str]) -> Step {
     program(Path::new(&cargo_path()), arguments)
@@ -76,6 +86,9 @@ pub(super) fn program(program: &Path, arguments: &[&str]) -> Step {
         .args(arguments)
         .current_dir(tree::root())
         .stdin(Stdio::null());
+    if let Some(models) = models() {
+        command.env(MODELS, models);
+    }
     // nextest tells its summary on standard error, cargo test on standard output.
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = match command.spawn() {

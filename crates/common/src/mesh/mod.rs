@@ -5,10 +5,29 @@
 //! built: subdivision, decimation and repair return new ones. Topology is shared, so that new
 //! positions over the same connectivity cost no topology.
 
+mod accept;
+mod defect;
+mod disjoint_sets;
+mod facts;
+mod half_edges;
+mod polygons;
+mod preflight;
+mod repair;
 mod soup;
 mod topology;
 mod triangle;
 
+#[cfg(test)]
+mod repair_tests;
+
+pub mod shapes;
+pub mod zoo;
+
+pub use accept::{Accepted, Policy, PreflightError, accept};
+pub use defect::{Defect, Remedy};
+pub use facts::{Facts, Range};
+pub use preflight::{Preflight, preflight};
+pub use repair::{Affected, Repair};
 pub use soup::{PolygonSoup, VertexAttribute};
 pub use topology::{NONE, Topology, TopologyError};
 pub use triangle::{SurfacePoint, TriangleMesh};

@@ -1,1 +1,7 @@
-//! metrics
+//! The measures that every spline is judged by. All lengths in results are fractions of a scale.
+
+mod vertex_error;
+
+pub use vertex_error::{
+    UnitCubeError, VertexError, VertexErrorError, unit_cube_error, vertex_error,
+};

@@ -11,7 +11,8 @@ use nalgebra::Point3;
 pub use atomic::write_atomically;
 
 use crate::format::extension;
-use crate::{obj, ply};
+use crate::glb::Document;
+use crate::{obj, ply, vtu};
 
 /// A triangle surface to write. Attributes have one value per position.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +33,10 @@ pub enum OutputFormat {
     Ply,
     /// Wavefront OBJ.
     Obj,
+    /// VTK's XML file of an unstructured grid, in double precision.
+    Vtu,
+    /// Binary glTF 2.0, in single precision, as glTF has it.
+    Glb,
 }
 
 impl OutputFormat {
@@ -41,6 +46,8 @@ impl OutputFormat {
         match extension(path)?.as_str() {
             "ply" => Some(Self::Ply),
             "obj" => Some(Self::Obj),
+            "vtu" => Some(Self::Vtu),
+            "glb" => Some(Self::Glb),
             _ => None,
         }
     }
@@ -51,7 +58,7 @@ impl OutputFormat {
 #[non_exhaustive]
 pub enum WriteError {
     /// The extension tells no format.
-    #[error("{} asks for no known format; name it .ply or .obj", path.display())]
+    #[error("{} asks for no known format; name it .ply, .obj, .vtu or .glb", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -104,6 +111,15 @@ pub enum WriteError {
         /// The name.
         name: String,
     },
+    /// The file would be larger than its format can say.
+    #[error("a glb file of {bytes} bytes is beyond its limit of 4 GiB; write .vtu or .ply")]
+    TooLarge {
+        /// The size it would have.
+        bytes: usize,
+    },
+    /// The description of the data cannot be turned into text.
+    #[error("the glTF description cannot be written: {0}; write .vtu or .ply")]
+    Json(String),
 }
 
 /// Writes a surface in the format that the extension of `path` asks for.
@@ -113,7 +129,8 @@ pub enum WriteError {
 ///
 /// # Errors
 /// The extension is unknown, the file cannot be written, or the surface is not fit to be: an index
-/// out of range, a number that is not finite, an attribute of another length or without a name.
+/// out of range, a number that is not finite, an attribute of another length or
+/// without a name of its own, more than the format can hold.
 pub fn write_surface(path: &Path, surface: &Surface<'_>) -> Result<(), WriteError> {
     let Some(format) = OutputFormat::of(path) else {
         return Err(WriteError::UnknownFormat {
@@ -124,6 +141,11 @@ pub fn write_surface(path: &Path, surface: &Surface<'_>) -> Result<(), WriteErro
     match format {
         OutputFormat::Ply => write_atomically(path, |to| ply::write(surface, to)),
         OutputFormat::Obj => write_atomically(path, |to| obj::write(surface, to)),
+        OutputFormat::Vtu => write_atomically(path, |to| vtu::write(surface, to)),
+        OutputFormat::Glb => {
+            let document = Document::build(surface)?;
+            write_atomically(path, |to| document.write(to))
+        }
     }
 }
 

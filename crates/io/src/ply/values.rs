@@ -26,13 +26,10 @@ pub(super) trait Values {
 
     /// Returns the length of the list that starts here, which the rest of the body can hold.
     fn list_length(&mut self, count: Scalar, item: Scalar) -> Result<usize, Fault> {
-        let place = self.place();
         let length = self.integer(count)?;
         let Ok(claimed) = u64::try_from(length) else {
-            return Err(Fault::malformed(
-                place,
-                format!("a list has length {length}"),
-            ));
+            let problem = format!("a list has length {length}");
+            return Err(Fault::malformed(self.place(), problem));
         };
         self.check_room(claimed, Self::least_size(item), "list items")?;
         Ok(length as usize)

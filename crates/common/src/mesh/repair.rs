@@ -1,0 +1,515 @@
+//! Repair of a polygon soup, step by step, and the record of what was done.
+
+use std::collections::BTreeSet;
+
+use nalgebra::Point3;
+
+use super::defect::listed;
+use super::disjoint_sets::DisjointSets;
+use super::half_edges::{EdgeTable, HalfEdge};
+use super::preflight::{checked_face, first_coincident, is_collinear, is_finite};
+use super::soup::PolygonSoup;
+
+/// Elements of the input that a repair touched.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Affected {
+    /// How many.
+    pub count: usize,
+    /// The ids of the first few, ascending.
+    pub first: Vec<u32>,
+}
+
+/// How many ids a record of repairs keeps.
+const KEPT_IDS: usize = 8;
+
+impl Affected {
+    fn new(ids: &BTreeSet<u32>) -> Self {
+        Self {
+            count: ids.len(),
+            first: ids.iter().copied().take(KEPT_IDS).collect(),
+        }
+    }
+}
+
+impl std::fmt::Display for Affected {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let more = if self.count > self.first.len() {
+            ", ..."
+        } else {
+            ""
+        };
+        write!(out, "{} ({}{more})", self.count, listed(&self.first))
+    }
+}
+
+/// One kind of change made to a soup on its way to a mesh. Ids are those of the input.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Repair {
+    /// Faces of more than three corners were cut into triangles; not a repair, but worth knowing.
+    Triangulated(Affected),
+    /// Faces that name no vertex, a vertex that is not finite, or fewer than three vertices were
+    /// dropped.
+    DroppedUnusableFaces(Affected),
+    /// Faces whose corners lie on a line were removed.
+    DroppedDegenerateFaces(Affected),
+    /// Faces with the vertices of an earlier face were dropped.
+    DroppedDuplicateFaces(Affected),
+    /// Edges of more than two faces were cut; the faces listed lie along them.
+    CutAtFaces(Affected),
+    /// Vertices were merged into an earlier one at the same position.
+    MergedVertices(Affected),
+    /// Vertices at which separate fans of faces met, or a cut ends, were split.
+    SplitVertices(Affected),
+    /// Faces of all components but the largest were dropped.
+    DroppedComponents {
+        /// Number of components dropped.
+        components: usize,
+        /// Faces dropped with them.
+        faces: Affected,
+    },
+    /// Faces were turned over.
+    FlippedFaces(Affected),
+    /// Vertices that no remaining face uses were dropped.
+    DroppedVertices(Affected),
+}
+
+impl std::fmt::Display for Repair {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Triangulated(faces) => write!(out, "cut into triangles: faces {faces}"),
+            Self::DroppedUnusableFaces(faces) => write!(out, "dropped unusable faces: {faces}"),
+            Self::DroppedDegenerateFaces(faces) => write!(out, "removed faces of no area: {faces}"),
+            Self::DroppedDuplicateFaces(faces) => write!(out, "dropped duplicate faces: {faces}"),
+            Self::CutAtFaces(faces) => {
+                write!(out, "cut along edges of more than two faces: faces {faces}")
+            }
+            Self::MergedVertices(vertices) => {
+                write!(
+                    out,
+                    "merged vertices into earlier ones at the same position: {vertices}"
+                )
+            }
+            Self::SplitVertices(vertices) => {
+                write!(
+                    out,
+                    "split vertices between separate fans of faces: {vertices}"
+                )
+            }
+            Self::DroppedComponents { components, faces } => write!(
+                out,
+                "kept the largest component and dropped {components} others: faces {faces}"
+            ),
+            Self::FlippedFaces(faces) => write!(out, "turned over faces: {faces}"),
+            Self::DroppedVertices(vertices) => write!(out, "dropped unused vertices: {vertices}"),
+        }
+    }
+}
+
+/// Input ids touched, by kind of repair.
+#[derive(Default)]
+pub(super) struct Log {
+    pub(super) triangulated: BTreeSet<u32>,
+    unusable: BTreeSet<u32>,
+    degenerate: BTreeSet<u32>,
+    duplicate: BTreeSet<u32>,
+    cut: BTreeSet<u32>,
+    merged: BTreeSet<u32>,
+    split: BTreeSet<u32>,
+    components: usize,
+    component_faces: BTreeSet<u32>,
+    flipped: BTreeSet<u32>,
+    pub(super) dropped_vertices: BTreeSet<u32>,
+}
+
+impl Log {
+    /// Returns what was done, in the order in which it is done.
+    pub(super) fn repairs(&self) -> Vec<Repair> {
+        let dropped = |faces| Repair::DroppedComponents {
+            components: self.components,
+            faces,
+        };
+        let kinds: [(&BTreeSet<u32>, &dyn Fn(Affected) -> Repair); 10] = [
+            (&self.triangulated, &Repair::Triangulated),
+            (&self.unusable, &Repair::DroppedUnusableFaces),
+            (&self.degenerate, &Repair::DroppedDegenerateFaces),
+            (&self.duplicate, &Repair::DroppedDuplicateFaces),
+            (&self.cut, &Repair::CutAtFaces),
+            (&self.merged, &Repair::MergedVertices),
+            (&self.split, &Repair::SplitVertices),
+            (&self.component_faces, &dropped),
+            (&self.flipped, &Repair::FlippedFaces),
+            (&self.dropped_vertices, &Repair::DroppedVertices),
+        ];
+        let done = kinds.iter().filter(|(ids, _)| !ids.is_empty());
+        done.map(|(ids, repair)| repair(Affected::new(ids)))
+            .collect()
+    }
+}
+
+/// Triangles on their way to a mesh, and where they come from.
+pub(super) struct Sheet<'a> {
+    input: &'a [Point3<f64>],
+    /// Input vertex of each vertex.
+    pub(super) vertex_origin: Vec<u32>,
+    /// Corners of each triangle.
+    pub(super) faces: Vec<[u32; 3]>,
+    /// Input face of each triangle.
+    face_origin: Vec<u32>,
+}
+
+impl<'a> Sheet<'a> {
+    /// Returns the triangles of the faces that can be used.
+    pub(super) fn new(soup: &'a PolygonSoup, log: &mut Log) -> Self {
+        let mut sheet = Self {
+            input: &soup.positions,
+            vertex_origin: (0..soup.positions.len() as u32).collect(),
+            faces: Vec::with_capacity(soup.face_count()),
+            face_origin: Vec::with_capacity(soup.face_count()),
+        };
+        for face in 0..soup.face_count() {
+            let place = face as u32;
+            let mut ids = match checked_face(soup, face) {
+                Ok(ids) if ids.iter().all(|&v| is_finite(&soup.positions[v as usize])) => ids,
+                _ => {
+                    log.unusable.insert(place);
+                    continue;
+                }
+            };
+            let corners = ids.len();
+            ids.dedup();
+            if ids.len() > 1 && ids.first() == ids.last() {
+                ids.pop();
+            }
+            if ids.len() < 3 || BTreeSet::from_iter(&ids).len() < ids.len() {
+                log.degenerate.insert(place);
+                continue;
+            }
+            if ids.len() < corners {
+                log.degenerate.insert(place);
+            }
+            if ids.len() > 3 {
+                log.triangulated.insert(place);
+            }
+            let polygon: Vec<_> = ids.iter().map(|&v| soup.positions[v as usize]).collect();
+            for triangle in super::polygons::triangulate(&polygon) {
+                sheet.faces.push(triangle.map(|i| ids[i]));
+                sheet.face_origin.push(place);
+            }
+        }
+        sheet
+    }
+
+    /// Returns the position of every vertex.
+    pub(super) fn positions(&self) -> Vec<Point3<f64>> {
+        self.vertex_origin
+            .iter()
+            .map(|&v| self.input[v as usize])
+            .collect()
+    }
+
+    fn corners(&self, triangle: [u32; 3]) -> [Point3<f64>; 3] {
+        triangle.map(|v| self.input[self.vertex_origin[v as usize] as usize])
+    }
+
+    /// Repairs once; returns whether anything changed.
+    pub(super) fn repair_round(&mut self, log: &mut Log) -> bool {
+        let mut changed = self.split_at_flat_corners(log);
+        changed |= self.drop_degenerate(log);
+        changed |= self.drop_duplicates(log);
+        changed |= self.join_and_split(log);
+        changed |= self.keep_largest(log);
+        changed |= self.drop_unused_vertices();
+        changed
+    }
+
+    /// Removes a face whose middle corner lies on its longest side by splitting the face beyond
+    /// that side there, so that no slit is left.
+    fn split_at_flat_corners(&mut self, log: &mut Log) -> bool {
+        let flat: Vec<u32> = (0..self.faces.len() as u32)
+            .filter(|&f| is_collinear(&self.corners(self.faces[f as usize])))
+            .collect();
+        if flat.is_empty() {
+            return false;
+        }
+        let table = EdgeTable::of_triangles(&self.faces);
+        let mut touched = BTreeSet::new();
+        for face in flat {
+            let triangle = self.faces[face as usize];
+            let corners = self.corners(triangle);
+            let length = |i: usize| (corners[(i + 1) % 3] - corners[i]).norm_squared();
+            let side = (1..3).fold(0, |best, i| if length(i) > length(best) { i } else { best });
+            let (from, to) = (triangle[side], triangle[(side + 1) % 3]);
+            let apex = triangle[(side + 2) % 3];
+            let [one, two] = table.edge(from, to) else {
+                continue;
+            };
+            let other = if one.face == face { two.face } else { one.face };
+            if touched.contains(&face) || touched.contains(&other) {
+                continue;
+            }
+            if let Some(halves) = self.halves(other, [from, to], apex) {
+                log.degenerate.insert(self.face_origin[face as usize]);
+                touched.extend([face, other]);
+                self.faces[other as usize] = halves[0];
+                self.faces[face as usize] = halves[1];
+                self.face_origin[face as usize] = self.face_origin[other as usize];
+            }
+        }
+        !touched.is_empty()
+    }
+
+    /// Returns the halves of a face split at `apex` on the side between `ends`, if they are sound.
+    fn halves(&self, face: u32, ends: [u32; 2], apex: u32) -> Option<[[u32; 3]; 2]> {
+        let triangle = self.faces[face as usize];
+        let i = (0..3).find(|&i| !ends.contains(&triangle[i]))?;
+        let (far, from, to) = (triangle[i], triangle[(i + 1) % 3], triangle[(i + 2) % 3]);
+        let halves = [[far, from, apex], [far, apex, to]];
+        let sound = |half: [u32; 3]| !is_collinear(&self.corners(half));
+        (far != apex && halves.into_iter().all(sound)).then_some(halves)
+    }
+
+    fn drop_degenerate(&mut self, log: &mut Log) -> bool {
+        let keep = |sheet: &Self, f: usize| !is_collinear(&sheet.corners(sheet.faces[f]));
+        self.retain_faces(&mut log.degenerate, keep)
+    }
+
+    /// Drops faces with the vertices of an earlier one, and triangles connected to nothing that
+    /// lie exactly on another.
+    fn drop_duplicates(&mut self, log: &mut Log) -> bool {
+        let first = first_coincident(&self.positions());
+        let mut alone = vec![true; self.faces.len()];
+        for edge in EdgeTable::of_triangles(&self.faces)
+            .edges()
+            .filter(|edge| edge.len() > 1)
+        {
+            edge.iter().for_each(|h| alone[h.face as usize] = false);
+        }
+        let sorted = |mut ids: [u32; 3]| {
+            ids.sort_unstable();
+            ids
+        };
+        let places: Vec<_> = self
+            .faces
+            .iter()
+            .map(|t| sorted(t.map(|v| first[v as usize])))
+            .collect();
+        let sets: Vec<_> = self.faces.iter().map(|&t| sorted(t)).collect();
+        let mut order: Vec<usize> = (0..self.faces.len()).collect();
+        // Connected faces first, so that a lone triangle yields to them.
+        order.sort_by_key(|&f| (places[f], alone[f], sets[f], f));
+        let mut keep = vec![true; self.faces.len()];
+        for group in order.chunk_by(|&a, &b| places[a] == places[b]) {
+            for pair in group.windows(2) {
+                keep[pair[1]] = !alone[pair[1]] && sets[pair[0]] != sets[pair[1]];
+            }
+        }
+        self.retain_faces(&mut log.duplicate, |_, f| keep[f])
+    }
+
+    /// Gives every fan of faces a vertex of its own, after joining boundary edges that coincide.
+    ///
+    /// Corners of faces are united across edges of two faces, and then across boundary edges of
+    /// which exactly two coincide and orientation allows it; every set of corners becomes a
+    /// vertex. An edge of more than two faces unites nothing, which cuts the surface along it.
+    fn join_and_split(&mut self, log: &mut Log) -> bool {
+        let mut corners = DisjointSets::new(3 * self.faces.len());
+        let mut oriented = DisjointSets::new(self.faces.len());
+        let first = first_coincident(&self.positions());
+        let mut open = Vec::new();
+        let mut cut = false;
+        for edge in EdgeTable::of_triangles(&self.faces).edges() {
+            match edge {
+                [one, two] => {
+                    unite(&mut corners, one, two);
+                    oriented.join(one.face, two.face, one.reversed == two.reversed);
+                }
+                [one] => open.push(*one),
+                _ => {
+                    cut = true;
+                    log.cut
+                        .extend(edge.iter().map(|h| self.face_origin[h.face as usize]));
+                }
+            }
+        }
+        for half_edge in &mut open {
+            let ends = [half_edge.corner, half_edge.next].map(|c| first[self.at(c) as usize]);
+            *half_edge = HalfEdge::new(half_edge.face, [half_edge.corner, half_edge.next], ends);
+        }
+        for edge in EdgeTable::new(open).edges() {
+            if let [one, two] = edge
+                && oriented.join(one.face, two.face, one.reversed == two.reversed)
+            {
+                unite(&mut corners, one, two);
+            }
+        }
+        self.rebuild_vertices(&mut corners, log) || cut
+    }
+
+    fn at(&self, corner: u32) -> u32 {
+        self.faces[(corner / 3) as usize][(corner % 3) as usize]
+    }
+
+    /// Makes each set of corners a vertex, ordered by the first vertex among its corners.
+    fn rebuild_vertices(&mut self, corners: &mut DisjointSets, log: &mut Log) -> bool {
+        let count = 3 * self.faces.len();
+        let mut lowest = vec![u32::MAX; count];
+        for corner in 0..count as u32 {
+            let root = corners.root(corner) as usize;
+            lowest[root] = lowest[root].min(self.at(corner));
+        }
+        let mut roots: Vec<u32> = (0..count as u32)
+            .filter(|&c| lowest[c as usize] != u32::MAX)
+            .collect();
+        roots.sort_by_key(|&root| (lowest[root as usize], root));
+        let mut number = vec![u32::MAX; count];
+        for (id, &root) in roots.iter().enumerate() {
+            number[root as usize] = id as u32;
+        }
+        let mut changed = false;
+        for pair in roots.windows(2) {
+            let vertex = lowest[pair[1] as usize];
+            if lowest[pair[0] as usize] == vertex {
+                log.split.insert(self.vertex_origin[vertex as usize]);
+                changed = true;
+            }
+        }
+        let mut faces = self.faces.clone();
+        for corner in 0..count as u32 {
+            let (vertex, root) = (self.at(corner), corners.root(corner));
+            if vertex != lowest[root as usize] {
+                log.merged.insert(self.vertex_origin[vertex as usize]);
+                changed = true;
+            }
+            faces[(corner / 3) as usize][(corner % 3) as usize] = number[root as usize];
+        }
+        let origin = |&root: &u32| self.vertex_origin[lowest[root as usize] as usize];
+        self.vertex_origin = roots.iter().map(origin).collect();
+        self.faces = faces;
+        changed
+    }
+
+    fn keep_largest(&mut self, log: &mut Log) -> bool {
+        let mut connected = DisjointSets::new(self.faces.len());
+        for edge in EdgeTable::of_triangles(&self.faces).edges() {
+            for other in &edge[1..] {
+                connected.join(edge[0].face, other.face, false);
+            }
+        }
+        let roots: Vec<u32> = (0..self.faces.len() as u32)
+            .map(|f| connected.root(f))
+            .collect();
+        let mut size = vec![0usize; self.faces.len()];
+        roots.iter().for_each(|&root| size[root as usize] += 1);
+        let largest =
+            (0..size.len()).fold(0, |best, f| if size[f] > size[best] { f } else { best });
+        log.components += size.iter().filter(|&&n| n > 0).count().saturating_sub(1);
+        self.retain_faces(&mut log.component_faces, |_, f| {
+            roots[f] as usize == largest
+        })
+    }
+
+    /// Returns an edge and its faces across which orientation comes back reversed, or orients all
+    /// faces alike: outwards if the surface is closed, else as most of them are.
+    pub(super) fn orient(&mut self, log: &mut Log) -> Result<bool, ([u32; 2], [u32; 2])> {
+        let mut oriented = DisjointSets::new(self.faces.len());
+        let mut closed = true;
+        for edge in EdgeTable::of_triangles(&self.faces).edges() {
+            closed &= edge.len() == 2;
+            let [one, two] = edge else { continue };
+            if !oriented.join(one.face, two.face, one.reversed == two.reversed) {
+                let ends = [one.low, one.high].map(|v| self.vertex_origin[v as usize]);
+                let faces = [one.face, two.face].map(|f| self.face_origin[f as usize]);
+                return Err((ends, faces));
+            }
+        }
+        let odd: Vec<bool> = (0..self.faces.len() as u32)
+            .map(|f| oriented.find(f).1)
+            .collect();
+        let volume = if closed { self.volume(&odd) } else { 0.0 };
+        let minority = 2 * odd.iter().filter(|&&odd| odd).count() <= odd.len();
+        // Volume is that of the even faces as they are and the odd ones turned over.
+        let turned = if volume == 0.0 {
+            minority
+        } else {
+            volume > 0.0
+        };
+        let mut changed = false;
+        for face in (0..odd.len()).filter(|&f| odd[f] == turned) {
+            self.faces[face].swap(1, 2);
+            log.flipped.insert(self.face_origin[face]);
+            changed = true;
+        }
+        Ok(changed)
+    }
+
+    /// Returns six times the volume enclosed once the odd faces are turned over.
+    fn volume(&self, odd: &[bool]) -> f64 {
+        let centre = self.corners(self.faces[0])[0];
+        let triangles = self.faces.iter().zip(odd);
+        triangles
+            .map(|(&triangle, &odd)| {
+                let [a, b, c] = self.corners(triangle).map(|p| p - centre);
+                let part = a.dot(&b.cross(&c));
+                if odd { -part } else { part }
+            })
+            .sum()
+    }
+
+    fn drop_unused_vertices(&mut self) -> bool {
+        let mut number = vec![u32::MAX; self.vertex_origin.len()];
+        self.faces
+            .iter()
+            .flatten()
+            .for_each(|&v| number[v as usize] = 0);
+        let before = self.vertex_origin.len();
+        let mut kept = Vec::with_capacity(before);
+        for (vertex, slot) in number
+            .iter_mut()
+            .enumerate()
+            .filter(|(_, slot)| **slot == 0)
+        {
+            *slot = kept.len() as u32;
+            kept.push(self.vertex_origin[vertex]);
+        }
+        self.vertex_origin = kept;
+        for triangle in &mut self.faces {
+            *triangle = triangle.map(|v| number[v as usize]);
+        }
+        self.vertex_origin.len() < before
+    }
+
+    /// Records the input vertices that neither remain nor were merged.
+    pub(super) fn log_dropped_vertices(&self, log: &mut Log) {
+        let mut kept = vec![false; self.input.len()];
+        self.vertex_origin
+            .iter()
+            .for_each(|&v| kept[v as usize] = true);
+        let gone = (0..kept.len() as u32).filter(|&v| !kept[v as usize]);
+        log.dropped_vertices = gone.filter(|v| !log.merged.contains(v)).collect();
+    }
+
+    fn retain_faces(
+        &mut self,
+        dropped: &mut BTreeSet<u32>,
+        keep: impl Fn(&Self, usize) -> bool,
+    ) -> bool {
+        let keep: Vec<bool> = (0..self.faces.len()).map(|f| keep(self, f)).collect();
+        dropped.extend(
+            (0..keep.len())
+                .filter(|&f| !keep[f])
+                .map(|f| self.face_origin[f]),
+        );
+        let mut flags = keep.iter();
+        self.faces.retain(|_| *flags.next().unwrap_or(&true));
+        let mut flags = keep.iter();
+        self.face_origin.retain(|_| *flags.next().unwrap_or(&true));
+        keep.contains(&false)
+    }
+}
+
+fn unite(corners: &mut DisjointSets, one: &HalfEdge, two: &HalfEdge) {
+    for (a, b) in one.corners().into_iter().zip(two.corners()) {
+        corners.join(a, b, false);
+    }
+}

@@ -1,0 +1,18 @@
+//! Surfaces made from formulas, for demonstrations, experiments and tests.
+//!
+//! Each is asked for by its number of vertices and has nearly as many; the same arguments always
+//! give the same mesh. Closed surfaces have their normals outwards.
+
+mod grid;
+mod round;
+
+pub use grid::{cylinder, height_field, torus, torus_knot};
+pub use round::{bumpy_sphere, sphere};
+
+use nalgebra::Point3;
+
+use super::triangle::TriangleMesh;
+
+fn build(positions: Vec<Point3<f64>>, faces: Vec<[u32; 3]>) -> TriangleMesh {
+    TriangleMesh::build(positions, faces).expect("generated faces form an oriented manifold")
+}

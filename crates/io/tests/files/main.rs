@@ -1,0 +1,12 @@
+//! Reading and writing whole files.
+
+mod common;
+mod errors;
+mod libraries;
+mod models;
+mod obj;
+mod off;
+mod output;
+mod ply;
+mod round_trip;
+mod stl;

@@ -1,0 +1,20 @@
+//! Compiles the bindings and links the libraries.
+
+fn main() {
+    let sources = ["cpp/openmesh.cc", "cpp/cgal.cc", "cpp/cholmod.cc"];
+    cxx_build::bridge("src/bindings.rs")
+        .files(sources)
+        .include("cpp")
+        .std("c++17")
+        // Both sides of the timing are optimised, whatever the profile of the tests.
+        .opt_level(3)
+        .define("NDEBUG", None)
+        .flag_if_supported("-Wno-deprecated-declarations")
+        .warnings(false)
+        .compile("msplines-reference");
+    for library in ["OpenMeshCore", "cholmod"] {
+        println!("cargo::rustc-link-lib={library}");
+    }
+    println!("cargo::rerun-if-changed=cpp");
+    println!("cargo::rerun-if-changed=src/bindings.rs");
+}

@@ -1,0 +1,51 @@
+// Functions of OpenMesh, CGAL and CHOLMOD as src/bindings.rs sees them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "rust/cxx.h"
+
+namespace reference {
+
+using Positions = rust::Slice<const double>;  // x y z of each vertex
+using Faces = rust::Slice<const std::uint32_t>;  // three corners of each triangle
+
+struct MeshFacts;
+struct Surface;
+struct Measures;
+
+MeshFacts openmesh_facts(Positions positions, Faces faces);
+Surface openmesh_loop(Positions positions, Faces faces);
+
+Measures cgal_measures(Positions positions, Faces faces);
+rust::Vec<double> cgal_face_cotangents(Positions positions, Faces faces);
+rust::Vec<double> cgal_cotangent_weights(Positions positions, Faces flaps);
+
+class Cholmod {
+ public:
+  Cholmod(rust::Slice<const std::size_t> starts, rust::Slice<const std::uint32_t> rows,
+          rust::Slice<const double> values);
+  ~Cholmod();
+  Cholmod(const Cholmod&) = delete;
+  Cholmod& operator=(const Cholmod&) = delete;
+
+  void analyze();
+  void factor();
+  void solve(rust::Slice<const double> right_hand_sides, rust::Slice<double> solutions);
+  std::size_t nonzeros() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+std::unique_ptr<Cholmod> cholmod_lower(rust::Slice<const std::size_t> starts,
+                                       rust::Slice<const std::uint32_t> rows,
+                                       rust::Slice<const double> values);
+double cpu_seconds();
+rust::String cholmod_version();
+rust::String cgal_version();
+rust::String openmesh_version();
+
+}  // namespace reference

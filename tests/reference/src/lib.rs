@@ -1,0 +1,86 @@
+//! Comparison with established libraries: OpenMesh, CGAL and CHOLMOD.
+//!
+//! The functions here return what those libraries find on a [`TriangleMesh`] or a
+//! [`SymmetricMatrix`]; the tests of this package set it beside what this project finds, and leave
+//! the largest deviation of each quantity in `target/reference` through [`record::Comparison`].
+
+mod bindings;
+pub mod cholmod;
+pub mod meshes;
+pub mod record;
+
+use msplines_common::mesh::TriangleMesh;
+use nalgebra::Point3;
+
+pub use bindings::{Measures, MeshFacts};
+
+/// Returns the vertices, edges, faces, boundary loops and manifoldness that OpenMesh finds.
+///
+/// The faces may be anything; those that OpenMesh cannot take are counted.
+#[must_use]
+pub fn openmesh_facts(positions: &[Point3<f64>], faces: &[[u32; 3]]) -> MeshFacts {
+    bindings::openmesh_facts(&flat(positions), faces.as_flattened())
+}
+
+/// Returns the mesh after one round of OpenMesh's Loop subdivision: old vertices come first.
+#[must_use]
+pub fn openmesh_loop(mesh: &TriangleMesh) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+    let surface = bindings::openmesh_loop(&flat(mesh.positions()), mesh.faces().as_flattened());
+    let (positions, _) = surface.positions.as_chunks::<3>();
+    let (faces, _) = surface.faces.as_chunks::<3>();
+    (
+        positions.iter().map(|&p| Point3::from(p)).collect(),
+        faces.to_vec(),
+    )
+}
+
+/// Returns CGAL's areas, volume and mixed Voronoi areas.
+#[must_use]
+pub fn cgal_measures(mesh: &TriangleMesh) -> Measures {
+    bindings::cgal_measures(&flat(mesh.positions()), mesh.faces().as_flattened())
+}
+
+/// Returns CGAL's cotangent of each corner's angle, three for each face.
+#[must_use]
+pub fn cgal_face_cotangents(mesh: &TriangleMesh) -> Vec<f64> {
+    bindings::cgal_face_cotangents(&flat(mesh.positions()), mesh.faces().as_flattened())
+}
+
+/// Returns CGAL's `cotangent_weight` of each flap `[opposite, end, opposite, end]`.
+#[must_use]
+pub fn cgal_cotangent_weights(mesh: &TriangleMesh, flaps: &[[u32; 4]]) -> Vec<f64> {
+    bindings::cgal_cotangent_weights(&flat(mesh.positions()), flaps.as_flattened())
+}
+
+/// A library that is compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Library {
+    /// Topology and Loop subdivision.
+    OpenMesh,
+    /// Areas, volumes and cotangents.
+    Cgal,
+    /// Sparse factorisation.
+    Cholmod,
+}
+
+impl Library {
+    /// Returns the name and the version this package was compiled with.
+    #[must_use]
+    pub fn version(self) -> String {
+        match self {
+            Self::OpenMesh => format!("OpenMesh {}", bindings::openmesh_version()),
+            Self::Cgal => format!("CGAL {}", bindings::cgal_version()),
+            Self::Cholmod => format!("CHOLMOD {}", bindings::cholmod_version()),
+        }
+    }
+}
+
+/// Returns the processor time that this process has used, in seconds.
+#[must_use]
+pub fn cpu_seconds() -> f64 {
+    bindings::cpu_seconds()
+}
+
+fn flat(positions: &[Point3<f64>]) -> Vec<f64> {
+    positions.iter().flat_map(|p| [p.x, p.y, p.z]).collect()
+}

@@ -1,0 +1,88 @@
+//! The meshes on which both sides are compared.
+
+use std::env;
+use std::path::{Path, PathBuf};
+
+use msplines_common::mesh::{Policy, TriangleMesh, accept, shapes};
+use nalgebra::{Point3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+/// Models of the library that are compared when it is there: small, one of them open.
+const MODELS: [&str; 4] = [
+    "bunny_500.ply",
+    "eight_g2.ply",
+    "mushroom_open.ply",
+    "femur_g2.ply",
+];
+
+/// Returns the generated meshes with their names: closed and open, of genus 0 to 3.
+#[must_use]
+pub fn generated() -> Vec<(String, TriangleMesh)> {
+    let named = |name: &str, mesh| (name.to_owned(), mesh);
+    vec![
+        named("bumpy sphere", shapes::bumpy_sphere(2_000)),
+        named("torus", shapes::torus(1.0, 0.35, 1_500)),
+        named("torus knot", shapes::torus_knot(2, 3, 3_000)),
+        named("cylinder", shapes::cylinder(1_200)),
+        named("height field", shapes::height_field(1_000)),
+    ]
+}
+
+/// Returns the generated meshes, a jittered copy of each, and the models that are there.
+#[must_use]
+pub fn all() -> Vec<(String, TriangleMesh)> {
+    let mut meshes = generated();
+    for (seed, (name, mesh)) in generated().into_iter().enumerate() {
+        meshes.push((
+            format!("{name}, jittered"),
+            jittered(&mesh, 0.2, seed as u64),
+        ));
+    }
+    meshes.extend(models());
+    meshes
+}
+
+/// Returns the models that are there, and says which are not.
+#[must_use]
+pub fn models() -> Vec<(String, TriangleMesh)> {
+    let folder = env::var_os("MSPLINES_MODELS").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/models"),
+        PathBuf::from,
+    );
+    // A relative folder is meant from the project's root, where the tests are started.
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut found = Vec::new();
+    for name in MODELS {
+        match read(&root.join(&folder).join(name)) {
+            Some(mesh) => found.push((name.to_owned(), mesh)),
+            None => println!("not run: {name}"),
+        }
+    }
+    found
+}
+
+fn read(path: &Path) -> Option<TriangleMesh> {
+    let soup = msplines_io::read_soup(path).ok()?;
+    Some(accept(&soup, Policy::Refuse).ok()?.mesh)
+}
+
+/// Returns the mesh with every vertex moved by up to `share` of its shortest edge, so that no two
+/// angles are equal.
+#[must_use]
+pub fn jittered(mesh: &TriangleMesh, share: f64, seed: u64) -> TriangleMesh {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let old = mesh.positions();
+    let moved = (0..mesh.vertex_count() as u32).map(|vertex| {
+        let here = old[vertex as usize];
+        let lengths = mesh
+            .topology()
+            .neighbours(vertex)
+            .map(|v| (old[v as usize] - here).norm());
+        let step = share * lengths.fold(f64::INFINITY, f64::min);
+        let direction = Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
+        here + step / 3.0_f64.sqrt() * direction
+    });
+    let moved: Vec<Point3<f64>> = moved.collect();
+    mesh.with_positions(moved)
+}
