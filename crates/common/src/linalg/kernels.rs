@@ -8,6 +8,7 @@
 //! A panel has `c` columns of height `m`, column-major; its upper part is the triangle `L11`, its
 //! lower part `L21` has `r = m - c` rows.
 
+use super::dense::{self, column_mut};
 use dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{
     LltParams, LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
@@ -162,11 +163,11 @@ impl pulp::NullaryFnOnce for Forward<'_> {
             let entries = &self.panel[column * height + column..(column + 1) * height];
             let (top, bottom) = entries.split_at(columns - column);
             for side in 0..self.x.ncols() {
-                let x = slice_mut(self.x.rb_mut(), side);
+                let x = column_mut(self.x.rb_mut(), side);
                 let value = x[column] / top[0];
                 x[column] = value;
                 subtract_multiple(&mut x[column + 1..], value, &top[1..]);
-                let below = slice_mut(self.below.rb_mut(), side);
+                let below = column_mut(self.below.rb_mut(), side);
                 for (sum, entry) in below.iter_mut().zip(bottom) {
                     *sum += value * entry;
                 }
@@ -213,25 +214,13 @@ impl pulp::NullaryFnOnce for Backward<'_> {
             let entries = &self.panel[column * height + column..(column + 1) * height];
             let (top, bottom) = entries.split_at(columns - column);
             for side in 0..self.x.ncols() {
-                let below = self
-                    .below
-                    .col(side)
-                    .try_as_col_major()
-                    .map_or(&[][..], |c| c.as_slice());
-                let x = slice_mut(self.x.rb_mut(), side);
+                let below = dense::column(self.below, side);
+                let x = column_mut(self.x.rb_mut(), side);
                 let sum = dot(&top[1..], &x[column + 1..]) + dot(bottom, below);
                 x[column] = (x[column] - sum) / top[0];
             }
         }
     }
-}
-
-#[inline(always)]
-fn slice_mut(matrix: MatMut<'_, f64>, column: usize) -> &mut [f64] {
-    matrix
-        .col_mut(column)
-        .try_as_col_major_mut()
-        .map_or(&mut [][..], |c| c.as_slice_mut())
 }
 
 /// Returns the scalar product, summed in eight lanes whatever the machine.

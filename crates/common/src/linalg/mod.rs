@@ -11,6 +11,7 @@
 
 mod cg;
 mod cholesky;
+mod dense;
 mod etree;
 mod kernels;
 mod ordering;
@@ -22,6 +23,7 @@ mod tests;
 
 pub use cg::{CgReport, conjugate_gradient};
 pub use cholesky::{Cholesky, FactorError};
+pub use dense::{column, column_mut};
 pub use ordering::{Ordering, OrderingError};
 pub use sparse::SymmetricMatrix;
 pub use symbolic::Symbolic;

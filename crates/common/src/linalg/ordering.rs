@@ -69,6 +69,20 @@ impl Ordering {
         })
     }
 
+    /// Returns a known order, such as one inherited from a coarser mesh.
+    ///
+    /// # Panics
+    /// If `order` is not a permutation of `0..order.len()`.
+    #[must_use]
+    pub fn given(order: Vec<u32>) -> Self {
+        let mut seen = vec![false; order.len()];
+        for &row in &order {
+            let first = !std::mem::replace(&mut seen[row as usize], true);
+            assert!(first, "row {row} is eliminated twice");
+        }
+        Self { order }
+    }
+
     /// Returns the order `0, 1, 2, ...`.
     #[must_use]
     pub fn natural(size: usize) -> Self {

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::Symbolic;
 use super::cholesky::Cholesky;
+use super::dense::{column, column_mut};
 use super::etree::ROOT;
 use super::kernels::{backward, forward};
 
@@ -224,18 +225,4 @@ impl<'a> Solver<'a> {
             .max()
             .unwrap_or(0)
     }
-}
-
-fn column(matrix: MatRef<'_, f64>, column: usize) -> &[f64] {
-    matrix
-        .col(column)
-        .try_as_col_major()
-        .map_or(&[][..], |c| c.as_slice())
-}
-
-fn column_mut(matrix: MatMut<'_, f64>, column: usize) -> &mut [f64] {
-    matrix
-        .col_mut(column)
-        .try_as_col_major_mut()
-        .map_or(&mut [][..], |c| c.as_slice_mut())
 }

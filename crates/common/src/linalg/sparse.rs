@@ -8,6 +8,9 @@ use rayon::prelude::*;
 /// the number of threads.
 const ROWS_PER_TASK: usize = 4096;
 
+/// Columns that one pass over the matrix multiplies.
+const SIDES: usize = 4;
+
 /// A sparse symmetric matrix, both triangles stored, rows ascending in each column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SymmetricMatrix {
@@ -212,28 +215,40 @@ impl SymmetricMatrix {
             "one row per unknown"
         );
         assert_eq!(x.ncols(), out.ncols(), "as many columns out as in");
-        for (input, output) in x.col_iter().zip(out.rb_mut().col_iter_mut()) {
-            let input: &[f64] = input
-                .try_as_col_major()
-                .expect("columns are contiguous")
-                .as_slice();
-            let output: &mut [f64] = output
-                .try_as_col_major_mut()
-                .expect("columns are contiguous")
-                .as_slice_mut();
-            output
-                .par_chunks_mut(ROWS_PER_TASK)
-                .enumerate()
-                .for_each(|(task, chunk)| {
-                    for (offset, value) in chunk.iter_mut().enumerate() {
-                        let row = task * ROWS_PER_TASK + offset;
-                        *value = self
-                            .column(row)
-                            .map(|(other, entry)| entry * input[other])
-                            .sum();
-                    }
-                });
+        for first in (0..x.ncols()).step_by(SIDES) {
+            let width = SIDES.min(x.ncols() - first);
+            let input: [&[f64]; SIDES] = std::array::from_fn(|side| {
+                let column = x.col(first + side.min(width - 1));
+                column
+                    .try_as_col_major()
+                    .expect("columns are contiguous")
+                    .as_slice()
+            });
+            let tasks = self.size().div_ceil(ROWS_PER_TASK);
+            let blocks: Vec<Vec<[f64; SIDES]>> = (0..tasks)
+                .into_par_iter()
+                .map(|task| {
+                    let rows = task * ROWS_PER_TASK..self.size().min((task + 1) * ROWS_PER_TASK);
+                    rows.map(|row| self.row_products(row, input)).collect()
+                })
+                .collect();
+            for side in 0..width {
+                let mut column = out.rb_mut().col_mut(first + side);
+                for (row, sums) in blocks.iter().flatten().enumerate() {
+                    column[row] = sums[side];
+                }
+            }
         }
+    }
+
+    fn row_products(&self, row: usize, input: [&[f64]; SIDES]) -> [f64; SIDES] {
+        let mut sums = [0.0; SIDES];
+        for (other, entry) in self.column(row) {
+            for side in 0..SIDES {
+                sums[side] += entry * input[side][other];
+            }
+        }
+        sums
     }
 
     /// Returns this matrix times `x`.

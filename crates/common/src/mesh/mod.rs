@@ -6,14 +6,20 @@
 //! positions over the same connectivity cost no topology.
 
 mod accept;
+mod decimate;
 mod defect;
 mod disjoint_sets;
 mod facts;
+mod flat_corners;
 mod half_edges;
+mod orientation;
 mod polygons;
 mod preflight;
 mod repair;
+mod repairs;
+mod sanity;
 mod soup;
+mod subdivision;
 mod topology;
 mod triangle;
 
@@ -24,10 +30,12 @@ pub mod shapes;
 pub mod zoo;
 
 pub use accept::{Accepted, Policy, PreflightError, accept};
+pub use decimate::{DecimateError, Decimated, decimate};
 pub use defect::{Defect, Remedy};
 pub use facts::{Facts, Range};
 pub use preflight::{Preflight, preflight};
-pub use repair::{Affected, Repair};
+pub use repairs::{Affected, Repair};
 pub use soup::{PolygonSoup, VertexAttribute};
+pub use subdivision::{SubdivisionMap, subdivide_loop, subdivide_midpoint};
 pub use topology::{NONE, Topology, TopologyError};
 pub use triangle::{SurfacePoint, TriangleMesh};

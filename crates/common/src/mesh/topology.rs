@@ -153,7 +153,7 @@ impl Topology {
     /// Returns the previous half-edge around the same face.
     #[must_use]
     pub fn previous(half_edge: u32) -> u32 {
-        if half_edge % 3 == 0 {
+        if half_edge.is_multiple_of(3) {
             half_edge + 2
         } else {
             half_edge - 1

@@ -26,3 +26,24 @@ pub fn with_two_boundaries() -> TriangleMesh {
 pub fn knotted() -> TriangleMesh {
     shapes::torus_knot(2, 3, 900)
 }
+
+/// Returns a closed surface with this many handles and 300 vertices for each.
+///
+/// # Panics
+/// If there are no handles or more than 64.
+#[must_use]
+pub fn genus(handles: u32) -> TriangleMesh {
+    shapes::genus(handles, 300 * handles as usize)
+}
+
+/// Returns one surface of each kind: closed, with one and two boundary loops, knotted, genus 2.
+#[must_use]
+pub fn all() -> Vec<TriangleMesh> {
+    vec![
+        closed(),
+        with_boundary(),
+        with_two_boundaries(),
+        knotted(),
+        genus(2),
+    ]
+}

@@ -2,5 +2,7 @@
 
 pub mod intrinsic;
 mod laplacian;
+mod poisson;
 
 pub use laplacian::{Operators, assemble, mesh_operators};
+pub use poisson::{Poisson, PoissonError};

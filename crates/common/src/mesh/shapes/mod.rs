@@ -4,9 +4,11 @@
 //! give the same mesh. Closed surfaces have their normals outwards.
 
 mod grid;
+mod implicit;
 mod round;
 
 pub use grid::{cylinder, height_field, torus, torus_knot};
+pub use implicit::genus;
 pub use round::{bumpy_sphere, sphere};
 
 use nalgebra::Point3;

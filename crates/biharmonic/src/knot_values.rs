@@ -1,0 +1,125 @@
+//! Splines with given knots, parametrised by their values at the knots.
+//!
+//! # Notation
+//! `H` maps values at the knots to the spline at all vertices; `Hᵀ g = g_T - B_TZ B_ZZ⁻¹ g_Z`.
+//!
+//! # Reference
+//! [Hou2017] Eq. (11). Deviation: the constraint `(B f)_Z = 0` is eliminated instead of enforced by
+//! Lagrange multipliers, which leaves normal equations of condition below 100.
+
+use msplines_common::linalg::{
+    CgReport, Cholesky, Mat, MatRef, Symbolic, SymmetricMatrix, conjugate_gradient,
+};
+
+use crate::{FitError, Space};
+
+/// The splines with one set of knots.
+pub(crate) struct KnotValues<'a> {
+    bilaplacian: &'a SymmetricMatrix,
+    /// Knots, ascending.
+    knots: Vec<u32>,
+    factor: Cholesky,
+}
+
+impl<'a> KnotValues<'a> {
+    /// Factors `B_ZZ` for these knots, which must be ascending and at least one.
+    pub(crate) fn factor(space: &'a Space, knots: Vec<u32>) -> Result<Self, FitError> {
+        let (bilaplacian, ordering) = space.bilaplacian()?;
+        let mut is_knot = vec![false; bilaplacian.size()];
+        knots.iter().for_each(|&knot| is_knot[knot as usize] = true);
+        let symbolic = Symbolic::analyze_kept(bilaplacian, ordering, |row| !is_knot[row]);
+        let factor = Cholesky::factor(symbolic, bilaplacian)?;
+        Ok(Self {
+            bilaplacian,
+            knots,
+            factor,
+        })
+    }
+
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.bilaplacian.size()
+    }
+
+    pub(crate) fn knots(&self) -> &[u32] {
+        &self.knots
+    }
+
+    /// Returns `H p`, the spline (n × d) with these values at the knots.
+    pub(crate) fn extend(&self, values: MatRef<'_, f64>) -> Mat<f64> {
+        let n = self.bilaplacian.size();
+        let mut at_knots = Mat::zeros(n, values.ncols());
+        self.scatter(values, &mut at_knots);
+        let mut f = self.bilaplacian.multiply(at_knots.as_ref());
+        f *= -1.0;
+        self.factor.solve_in_place(f.as_mut());
+        self.scatter(values, &mut f);
+        f
+    }
+
+    /// Returns `B_ZZ⁻¹ g_Z` in the rows of `Z` and zero at the knots.
+    pub(crate) fn solve_free(&self, mut g: Mat<f64>) -> Mat<f64> {
+        self.factor.solve_in_place(g.as_mut());
+        for side in 0..g.ncols() {
+            self.knots
+                .iter()
+                .for_each(|&knot| g[(knot as usize, side)] = 0.0);
+        }
+        g
+    }
+
+    /// Returns `Hᵀ g`, one row per knot, given `g` and `B_ZZ⁻¹ g_Z`.
+    pub(crate) fn restrict_solved(&self, g: &Mat<f64>, solved: &Mat<f64>) -> Mat<f64> {
+        let image = self.bilaplacian.multiply(solved.as_ref());
+        Mat::from_fn(self.knots.len(), g.ncols(), |k, side| {
+            let knot = self.knots[k] as usize;
+            g[(knot, side)] - image[(knot, side)]
+        })
+    }
+
+    /// Returns `Hᵀ g`, one row per knot.
+    pub(crate) fn restrict(&self, g: &Mat<f64>) -> Mat<f64> {
+        self.restrict_solved(g, &self.solve_free(g.clone()))
+    }
+
+    /// Returns the rows of a function at the knots.
+    pub(crate) fn gather(&self, f: &Mat<f64>) -> Mat<f64> {
+        Mat::from_fn(self.knots.len(), f.ncols(), |k, side| {
+            f[(self.knots[k] as usize, side)]
+        })
+    }
+
+    /// Returns the Green's coefficients `(B f)_T` at the knots.
+    pub(crate) fn coefficients(&self, f: &Mat<f64>) -> Mat<f64> {
+        self.gather(&self.bilaplacian.multiply(f.as_ref()))
+    }
+
+    /// Improves the values at the knots to the least-squares fit of `data`.
+    ///
+    /// `scale` approximates the diagonal of `Hᵀ H`.
+    pub(crate) fn least_squares(
+        &self,
+        data: &Mat<f64>,
+        scale: &[f64],
+        values: &mut Mat<f64>,
+        tolerance: f64,
+        max_iterations: u32,
+    ) -> CgReport {
+        let b = self.restrict(data);
+        conjugate_gradient(
+            |p| self.restrict(&self.extend(p)),
+            |r| Mat::from_fn(r.nrows(), r.ncols(), |k, side| r[(k, side)] / scale[k]),
+            b.as_ref(),
+            values,
+            tolerance,
+            max_iterations,
+        )
+    }
+
+    fn scatter(&self, values: MatRef<'_, f64>, f: &mut Mat<f64>) {
+        for side in 0..values.ncols() {
+            for (k, &knot) in self.knots.iter().enumerate() {
+                f[(knot as usize, side)] = values[(k, side)];
+            }
+        }
+    }
+}

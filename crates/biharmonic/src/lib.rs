@@ -1,0 +1,39 @@
+//! Biharmonic B-splines with optimised knots on triangle meshes.
+//!
+//! A biharmonic B-spline over the vertices of a mesh is `f = a + Σ wᵢ φᵢ`, where `φᵢ` is the Green's
+//! function of the bi-Laplacian `B = L A⁻¹ L` at knot `i` and the coefficients sum to zero. Knots may
+//! lie anywhere, follow no pattern, and need no parameterisation; the surface may have any genus, and
+//! boundaries.
+//!
+//! [`fit`] chooses the knots (or takes given ones) and fits the spline to data at the vertices.
+//! [`BiharmonicSpline`] holds the result and evaluates it at the vertices, on planar subdivisions, and
+//! at any surface point.
+//!
+//! # Notation
+//! `n` vertices, `T` the knots, `Z` all other vertices, `S` the data (n × d), `f` the spline at the
+//! vertices. A function is a spline with these knots exactly if `(B f)_Z = 0`, so that it is
+//! determined by its values `p` at the knots: `f = H p` with `f_T = p`, `f_Z = -B_ZZ⁻¹ B_ZT p`.
+//! This parametrisation is what makes fitting well conditioned, where Green's coefficients are not.
+//!
+//! # Reference
+//! [Hou2017] §4, §5, §6.
+
+mod error;
+mod fit;
+mod interpolate;
+mod knot_values;
+mod options;
+mod select;
+mod space;
+mod spline;
+mod subdivision;
+#[cfg(test)]
+mod tests;
+
+pub use error::FitError;
+pub use fit::{Fit, Report, fit};
+pub use interpolate::interpolate;
+pub use options::{Effort, KnotChoice, Laplacian, Options};
+pub use space::Space;
+pub use spline::{BiharmonicSpline, PartsError};
+pub use subdivision::Extension;

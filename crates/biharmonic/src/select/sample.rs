@@ -1,0 +1,135 @@
+//! The first candidates: a Poisson-disk sample that is denser where the surface bends.
+//!
+//! The density is `|A⁻¹ L A⁻¹ L S|^0.4`, smoothed: a quarter of the order at which a spline of fourth
+//! order needs knots, tempered because the finest scale of a scan is noise.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use msplines_common::linalg::Mat;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::voronoi::{Distance, Graph};
+use crate::Space;
+
+/// Power of the bi-Laplacian that the density follows.
+const DENSITY_POWER: f64 = 0.4;
+
+/// Radii are at most so many times the median one.
+const LARGEST_RADIUS: f64 = 6.0;
+
+/// Steps of the search for the radius that gives the number of samples asked for.
+const RADIUS_STEPS: u32 = 12;
+
+/// Returns about `wanted` vertices and at least `least`, ascending.
+pub(super) fn sample(
+    space: &Space,
+    data: &Mat<f64>,
+    wanted: usize,
+    least: usize,
+    seed: u64,
+) -> Vec<u32> {
+    let vertices = data.nrows();
+    // A sample this dense would leave out vertices at random: rather start from all of them.
+    if 2 * wanted > vertices {
+        return (0..vertices as u32).collect();
+    }
+    let graph = Graph::build(space.mesh());
+    let radii = relative_radii(space, data, &graph);
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut order: Vec<(u64, u32)> = (0..vertices as u32).map(|v| (random.random(), v)).collect();
+    order.sort_unstable();
+    let area: f64 = space.operators().mass.iter().sum();
+    let (mut low, mut high) = (0.0, 4.0 * (area / wanted as f64).sqrt());
+    let mut best: Vec<u32> = (0..vertices as u32).collect();
+    for _ in 0..RADIUS_STEPS {
+        let middle = 0.5 * (low + high);
+        let found = disks(&graph, &radii, middle, &order);
+        let enough = found.len() >= wanted.max(least);
+        *(if enough { &mut low } else { &mut high }) = middle;
+        let close = enough && found.len() < best.len();
+        if close {
+            best = found;
+        }
+        if close && best.len() as f64 <= 1.03 * wanted as f64 {
+            break;
+        }
+    }
+    best.sort_unstable();
+    best
+}
+
+/// Returns the radius of the disk of each vertex, with median 1.
+fn relative_radii(space: &Space, data: &Mat<f64>, graph: &Graph) -> Vec<f64> {
+    let coefficients = space.coefficients(data);
+    let mass = &space.operators().mass;
+    let mut density: Vec<f64> = (0..data.nrows())
+        .map(|v| {
+            let square: f64 = (0..data.ncols())
+                .map(|c| coefficients[(v, c)].powi(2))
+                .sum();
+            (square.sqrt() / mass[v]).powf(DENSITY_POWER)
+        })
+        .collect();
+    for _ in 0..2 {
+        density = (0..density.len() as u32)
+            .map(|v| {
+                let around = graph.neighbours(v);
+                let sum: f64 = around.iter().map(|n| density[n.0 as usize]).sum();
+                0.5 * density[v as usize] + 0.5 * sum / around.len().max(1) as f64
+            })
+            .collect();
+    }
+    let mut radii: Vec<f64> = density.iter().map(|d| 1.0 / d.sqrt()).collect();
+    let mut sorted = radii.clone();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted[sorted.len() / 2];
+    for radius in &mut radii {
+        let relative = *radius / median;
+        // Flat data has no density: all radii alike.
+        *radius = if relative.is_finite() {
+            relative.min(LARGEST_RADIUS)
+        } else {
+            1.0
+        };
+    }
+    radii
+}
+
+/// Takes vertices in `order` as long as no disk covers them.
+fn disks(graph: &Graph, radii: &[f64], scale: f64, order: &[(u64, u32)]) -> Vec<u32> {
+    let mut covered = vec![false; radii.len()];
+    let mut distance = vec![f64::INFINITY; radii.len()];
+    let mut touched = Vec::new();
+    let mut heap = BinaryHeap::new();
+    let mut taken = Vec::new();
+    for &(_, seed) in order {
+        if covered[seed as usize] {
+            continue;
+        }
+        taken.push(seed);
+        let radius = scale * radii[seed as usize];
+        distance[seed as usize] = 0.0;
+        touched.push(seed);
+        heap.push(Reverse((Distance(0.0), seed)));
+        while let Some(Reverse((Distance(reached), vertex))) = heap.pop() {
+            if reached > distance[vertex as usize] {
+                continue;
+            }
+            covered[vertex as usize] = true;
+            for &(other, length) in graph.neighbours(vertex) {
+                let through = reached + length;
+                if through < radius && through < distance[other as usize] {
+                    distance[other as usize] = through;
+                    touched.push(other);
+                    heap.push(Reverse((Distance(through), other)));
+                }
+            }
+        }
+        touched
+            .drain(..)
+            .for_each(|v| distance[v as usize] = f64::INFINITY);
+    }
+    taken
+}

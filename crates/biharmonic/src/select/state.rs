@@ -1,0 +1,175 @@
+//! The present knots, their spline, and the two moves: remove some, insert some.
+
+use std::collections::BTreeSet;
+
+use msplines_common::linalg::Mat;
+
+use super::scores::{Probes, removal_denominators};
+use super::voronoi::Graph;
+use crate::knot_values::KnotValues;
+use crate::{FitError, Space};
+
+/// Relative residual of fits between rounds: 1 % of the error, in one to five iterations.
+const ROUND_TOLERANCE: f64 = 1e-3;
+
+/// Iterations allowed to a fit between rounds.
+const ROUND_ITERATIONS: u32 = 30;
+
+pub(super) struct State<'a> {
+    space: &'a Space,
+    data: &'a Mat<f64>,
+    graph: Graph,
+    seed: u64,
+    moves: u64,
+    system: KnotValues<'a>,
+    probes: Probes,
+    /// The spline at all vertices.
+    fitted: Mat<f64>,
+    /// Sum of squared errors.
+    error: f64,
+}
+
+impl<'a> State<'a> {
+    pub(super) fn start(
+        space: &'a Space,
+        data: &'a Mat<f64>,
+        knots: Vec<u32>,
+        seed: u64,
+    ) -> Result<Self, FitError> {
+        let system = KnotValues::factor(space, knots)?;
+        let probes = Probes::estimate(&system, data.nrows(), seed);
+        let graph = Graph::build(space.mesh());
+        let mut state = Self {
+            space,
+            data,
+            graph,
+            seed,
+            moves: 0,
+            system,
+            probes,
+            fitted: data.clone(),
+            error: 0.0,
+        };
+        state.fit();
+        Ok(state)
+    }
+
+    pub(super) fn knots(&self) -> &[u32] {
+        self.system.knots()
+    }
+
+    pub(super) fn error(&self) -> f64 {
+        self.error
+    }
+
+    pub(super) fn into_parts(self) -> (Vec<u32>, Mat<f64>) {
+        (self.system.knots().to_vec(), self.fitted)
+    }
+
+    /// Returns the knots that can go: up to `count`, cheapest first, none beside another.
+    pub(super) fn cheapest(&self, count: usize) -> Vec<u32> {
+        let seed = self.seed.wrapping_add(self.moves);
+        let denominators = removal_denominators(&self.system, &self.probes.scale, seed);
+        let coefficients = self.system.coefficients(&self.fitted);
+        let mut costs: Vec<(f64, u32)> = denominators
+            .iter()
+            .enumerate()
+            .map(|(k, &denominator)| {
+                let square: f64 = (0..coefficients.ncols())
+                    .map(|c| coefficients[(k, c)].powi(2))
+                    .sum();
+                (
+                    if denominator > 0.0 {
+                        square / denominator
+                    } else {
+                        0.0
+                    },
+                    k as u32,
+                )
+            })
+            .collect();
+        costs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let cells = self.graph.cells(self.knots());
+        let adjacency = self.graph.adjacency(&cells, self.knots().len());
+        let mut blocked = vec![false; self.knots().len()];
+        let mut chosen = Vec::with_capacity(count);
+        for (_, k) in costs {
+            if chosen.len() == count {
+                break;
+            }
+            if !blocked[k as usize] {
+                adjacency[k as usize]
+                    .iter()
+                    .for_each(|&other| blocked[other as usize] = true);
+                chosen.push(self.knots()[k as usize]);
+            }
+        }
+        chosen
+    }
+
+    /// Returns the vertices most worth a knot: up to `count`, best first, one in a cell.
+    pub(super) fn most_wanted(&self, count: usize) -> Vec<u32> {
+        let residual = self.data - &self.fitted;
+        let gradient = self.system.solve_free(residual);
+        let cells = self.graph.cells(self.knots());
+        let mut best: Vec<(f64, u32)> = vec![(0.0, 0); self.knots().len()];
+        for (vertex, &cell) in cells.iter().enumerate() {
+            let denominator = self.probes.insertion[vertex];
+            if denominator > 0.0 {
+                let square: f64 = (0..gradient.ncols())
+                    .map(|c| gradient[(vertex, c)].powi(2))
+                    .sum();
+                let gain = square / denominator;
+                if gain > best[cell as usize].0 {
+                    best[cell as usize] = (gain, vertex as u32);
+                }
+            }
+        }
+        best.retain(|candidate| candidate.0 > 0.0);
+        best.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        best.into_iter()
+            .take(count)
+            .map(|(_, vertex)| vertex)
+            .collect()
+    }
+
+    /// Returns the state without some knots and with others, fitted again.
+    pub(super) fn moved(&self, removed: &[u32], inserted: &[u32]) -> Result<Self, FitError> {
+        let mut knots: BTreeSet<u32> = self.knots().iter().copied().collect();
+        removed.iter().for_each(|knot| {
+            knots.remove(knot);
+        });
+        knots.extend(inserted);
+        let system = KnotValues::factor(self.space, knots.into_iter().collect())?;
+        let moves = self.moves + 1;
+        let probes = Probes::estimate(&system, self.data.nrows(), self.seed.wrapping_add(moves));
+        let mut state = Self {
+            space: self.space,
+            data: self.data,
+            graph: self.graph.clone(),
+            seed: self.seed,
+            moves,
+            system,
+            probes,
+            fitted: self.fitted.clone(),
+            error: 0.0,
+        };
+        state.fit();
+        Ok(state)
+    }
+
+    /// Fits the knots, from the present spline on.
+    fn fit(&mut self) {
+        let mut values = self.system.gather(&self.fitted);
+        self.system.least_squares(
+            self.data,
+            &self.probes.scale,
+            &mut values,
+            ROUND_TOLERANCE,
+            ROUND_ITERATIONS,
+        );
+        self.fitted = self.system.extend(values.as_ref());
+        let residual = self.data - &self.fitted;
+        self.error = residual.squared_norm_l2();
+    }
+}

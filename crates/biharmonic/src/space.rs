@@ -1,0 +1,122 @@
+//! What all splines on one mesh share: operators, their elimination orders, their factors.
+
+use std::sync::{Arc, OnceLock};
+
+use msplines_common::linalg::{Mat, Ordering, SymmetricMatrix};
+use msplines_common::mesh::TriangleMesh;
+use msplines_common::operators::intrinsic::intrinsic_delaunay;
+use msplines_common::operators::{Operators, Poisson, assemble, mesh_operators};
+
+use crate::{FitError, Laplacian};
+
+/// The space of biharmonic B-splines on one mesh, whatever their knots.
+///
+/// Everything that depends on the mesh alone is computed once, on first use: the bi-Laplacian and its
+/// elimination order (for fitting), the factor of the Laplacian (for evaluation).
+#[derive(Debug)]
+pub struct Space {
+    mesh: Arc<TriangleMesh>,
+    laplacian: Laplacian,
+    operators: Operators,
+    bilaplacian: OnceLock<(SymmetricMatrix, Ordering)>,
+    poisson: OnceLock<Poisson>,
+}
+
+impl Space {
+    /// Builds the space on a connected mesh.
+    ///
+    /// # Errors
+    /// A mesh of several components, or with faces without area.
+    pub fn build(mesh: Arc<TriangleMesh>, laplacian: Laplacian) -> Result<Self, FitError> {
+        let components = mesh.topology().components().1;
+        if components != 1 {
+            return Err(FitError::NotConnected { components });
+        }
+        let operators = operators(&mesh, laplacian)?;
+        Ok(Self {
+            mesh,
+            laplacian,
+            operators,
+            bilaplacian: OnceLock::new(),
+            poisson: OnceLock::new(),
+        })
+    }
+
+    /// Returns the mesh.
+    #[must_use]
+    pub fn mesh(&self) -> &Arc<TriangleMesh> {
+        &self.mesh
+    }
+
+    /// Returns the kind of Laplacian.
+    #[must_use]
+    pub fn laplacian(&self) -> Laplacian {
+        self.laplacian
+    }
+
+    /// Returns the Laplacian and the vertex areas.
+    #[must_use]
+    pub fn operators(&self) -> &Operators {
+        &self.operators
+    }
+
+    /// Returns `B = L A⁻¹ L` and its elimination order.
+    ///
+    /// # Errors
+    /// A mesh too large to be ordered.
+    pub fn bilaplacian(&self) -> Result<&(SymmetricMatrix, Ordering), FitError> {
+        if let Some(ready) = self.bilaplacian.get() {
+            return Ok(ready);
+        }
+        let matrix = self.operators.bilaplacian();
+        let ordering = Ordering::nested_dissection(&matrix)?;
+        Ok(self.bilaplacian.get_or_init(|| (matrix, ordering)))
+    }
+
+    /// Returns the factored Laplacian.
+    ///
+    /// # Errors
+    /// A Laplacian that is not positive semidefinite.
+    pub fn poisson(&self) -> Result<&Poisson, FitError> {
+        if let Some(ready) = self.poisson.get() {
+            return Ok(ready);
+        }
+        let poisson = Poisson::factor(&self.operators)?;
+        Ok(self.poisson.get_or_init(|| poisson))
+    }
+
+    /// Returns the Green's coefficients `B f` of a function, of zero sum.
+    ///
+    /// # Reference
+    /// [Hou2017] Alg. 3.
+    #[must_use]
+    pub fn coefficients(&self, f: &Mat<f64>) -> Mat<f64> {
+        let mut flux = self.operators.laplacian.multiply(f.as_ref());
+        for side in 0..flux.ncols() {
+            for (row, area) in self.operators.mass.iter().enumerate() {
+                flux[(row, side)] /= area;
+            }
+        }
+        self.operators.laplacian.multiply(flux.as_ref())
+    }
+}
+
+pub(crate) fn operators(mesh: &TriangleMesh, laplacian: Laplacian) -> Result<Operators, FitError> {
+    let operators = match laplacian {
+        Laplacian::Cotangent => mesh_operators(mesh),
+        Laplacian::IntrinsicDelaunay => {
+            let intrinsic = intrinsic_delaunay(mesh)?;
+            assemble(mesh.vertex_count(), &intrinsic.faces, &intrinsic.lengths)
+        }
+    };
+    for (vertex, &area) in operators.mass.iter().enumerate() {
+        let finite = operators
+            .laplacian
+            .column(vertex)
+            .all(|(_, value)| value.is_finite());
+        if !(area > 0.0 && area.is_finite() && finite) {
+            return Err(FitError::DegenerateGeometry { vertex, area });
+        }
+    }
+    Ok(operators)
+}
