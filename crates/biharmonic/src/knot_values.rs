@@ -8,7 +8,7 @@
 //! Lagrange multipliers, which leaves normal equations of condition below 100.
 
 use msplines_common::linalg::{
-    CgReport, Cholesky, Mat, MatRef, Symbolic, SymmetricMatrix, conjugate_gradient,
+    CgReport, CgTolerance, Cholesky, Mat, MatRef, Symbolic, SymmetricMatrix, conjugate_gradient,
 };
 
 use crate::{FitError, Space};
@@ -93,26 +93,33 @@ impl<'a> KnotValues<'a> {
         self.gather(&self.bilaplacian.multiply(f.as_ref()))
     }
 
-    /// Improves the values at the knots to the least-squares fit of `data`.
+    /// Returns the least-squares spline, found from the values of `start` at the knots on, and how.
     ///
-    /// `scale` approximates the diagonal of `Hᵀ H`.
+    /// `scale` approximates the diagonal of `Hᵀ H`. Iterations stop when the squared error exceeds
+    /// its minimum by about the share `excess`.
     pub(crate) fn least_squares(
         &self,
         data: &Mat<f64>,
+        start: &Mat<f64>,
         scale: &[f64],
-        values: &mut Mat<f64>,
-        tolerance: f64,
+        excess: f64,
         max_iterations: u32,
-    ) -> CgReport {
-        let b = self.restrict(data);
-        conjugate_gradient(
+    ) -> (Mat<f64>, CgReport) {
+        let mut f = self.extend(self.gather(start).as_ref());
+        let residual = data - &f;
+        let energy = residual.squared_norm_l2() * excess / data.ncols() as f64;
+        let b = self.restrict(&residual);
+        let mut values = Mat::zeros(b.nrows(), b.ncols());
+        let report = conjugate_gradient(
             |p| self.restrict(&self.extend(p)),
             |r| Mat::from_fn(r.nrows(), r.ncols(), |k, side| r[(k, side)] / scale[k]),
             b.as_ref(),
-            values,
-            tolerance,
+            &mut values,
+            CgTolerance::Energy(energy),
             max_iterations,
-        )
+        );
+        f += self.extend(values.as_ref());
+        (f, report)
     }
 
     fn scatter(&self, values: MatRef<'_, f64>, f: &mut Mat<f64>) {

@@ -40,7 +40,6 @@ impl Progress {
 pub type Observer<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + 'a;
 
 /// Returns an observer that never interrupts.
-#[must_use]
 pub fn unobserved() -> impl FnMut(&Progress) -> ControlFlow<()> {
     |_| ControlFlow::Continue(())
 }

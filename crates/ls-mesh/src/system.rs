@@ -144,8 +144,6 @@ impl<'a> System<'a> {
             let mut next = self.precondition(factor, residual.as_ref());
             let reduced = column_products(residual.as_ref(), next.as_ref());
             if reduced.iter().zip(&goal).all(|(e, goal)| e <= goal) {
-                // The preconditioned residual is one more step, already paid for.
-                self.solution += next;
                 return;
             }
             let ratios: Vec<f64> = reduced

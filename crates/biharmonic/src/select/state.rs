@@ -9,8 +9,8 @@ use super::voronoi::Graph;
 use crate::knot_values::KnotValues;
 use crate::{FitError, Space};
 
-/// Relative residual of fits between rounds: 1 % of the error, in one to five iterations.
-const ROUND_TOLERANCE: f64 = 1e-3;
+/// Share by which the squared error of fits between rounds may exceed its minimum.
+const ROUND_EXCESS: f64 = 1e-3;
 
 /// Iterations allowed to a fit between rounds.
 const ROUND_ITERATIONS: u32 = 30;
@@ -160,15 +160,14 @@ impl<'a> State<'a> {
 
     /// Fits the knots, from the present spline on.
     fn fit(&mut self) {
-        let mut values = self.system.gather(&self.fitted);
-        self.system.least_squares(
+        let (fitted, _) = self.system.least_squares(
             self.data,
+            &self.fitted,
             &self.probes.scale,
-            &mut values,
-            ROUND_TOLERANCE,
+            ROUND_EXCESS,
             ROUND_ITERATIONS,
         );
-        self.fitted = self.system.extend(values.as_ref());
+        self.fitted = fitted;
         let residual = self.data - &self.fitted;
         self.error = residual.squared_norm_l2();
     }

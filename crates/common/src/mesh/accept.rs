@@ -2,7 +2,8 @@
 
 use super::defect::{Defect, Remedy};
 use super::preflight::preflight;
-use super::repair::{Log, Repair, Sheet};
+use super::repair::Sheet;
+use super::repairs::{Log, Repair};
 use super::soup::{PolygonSoup, VertexAttribute};
 use super::topology::TopologyError;
 use super::triangle::TriangleMesh;

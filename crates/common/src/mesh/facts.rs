@@ -89,7 +89,7 @@ impl Facts {
             edges: topology.edge_count(),
             faces: mesh.face_count(),
             components,
-            genus: (components == 1).then(|| (handles / 2) as u32),
+            genus: (components == 1).then_some((handles / 2) as u32),
             boundary_loops,
             bounding_box: [low, high].map(|p| p.coords.data.0[0]),
             diagonal: mesh.diagonal(),

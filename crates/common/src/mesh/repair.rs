@@ -1,161 +1,24 @@
-//! Repair of a polygon soup, step by step, and the record of what was done.
+//! Repair of a polygon soup, step by step.
 
 use std::collections::BTreeSet;
 
 use nalgebra::Point3;
 
-use super::defect::listed;
 use super::disjoint_sets::DisjointSets;
 use super::half_edges::{EdgeTable, HalfEdge};
 use super::preflight::{checked_face, first_coincident, is_collinear, is_finite};
+use super::repairs::Log;
 use super::soup::PolygonSoup;
-
-/// Elements of the input that a repair touched.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Affected {
-    /// How many.
-    pub count: usize,
-    /// The ids of the first few, ascending.
-    pub first: Vec<u32>,
-}
-
-/// How many ids a record of repairs keeps.
-const KEPT_IDS: usize = 8;
-
-impl Affected {
-    fn new(ids: &BTreeSet<u32>) -> Self {
-        Self {
-            count: ids.len(),
-            first: ids.iter().copied().take(KEPT_IDS).collect(),
-        }
-    }
-}
-
-impl std::fmt::Display for Affected {
-    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let more = if self.count > self.first.len() {
-            ", ..."
-        } else {
-            ""
-        };
-        write!(out, "{} ({}{more})", self.count, listed(&self.first))
-    }
-}
-
-/// One kind of change made to a soup on its way to a mesh. Ids are those of the input.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Repair {
-    /// Faces of more than three corners were cut into triangles; not a repair, but worth knowing.
-    Triangulated(Affected),
-    /// Faces that name no vertex, a vertex that is not finite, or fewer than three vertices were
-    /// dropped.
-    DroppedUnusableFaces(Affected),
-    /// Faces whose corners lie on a line were removed.
-    DroppedDegenerateFaces(Affected),
-    /// Faces with the vertices of an earlier face were dropped.
-    DroppedDuplicateFaces(Affected),
-    /// Edges of more than two faces were cut; the faces listed lie along them.
-    CutAtFaces(Affected),
-    /// Vertices were merged into an earlier one at the same position.
-    MergedVertices(Affected),
-    /// Vertices at which separate fans of faces met, or a cut ends, were split.
-    SplitVertices(Affected),
-    /// Faces of all components but the largest were dropped.
-    DroppedComponents {
-        /// Number of components dropped.
-        components: usize,
-        /// Faces dropped with them.
-        faces: Affected,
-    },
-    /// Faces were turned over.
-    FlippedFaces(Affected),
-    /// Vertices that no remaining face uses were dropped.
-    DroppedVertices(Affected),
-}
-
-impl std::fmt::Display for Repair {
-    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Triangulated(faces) => write!(out, "cut into triangles: faces {faces}"),
-            Self::DroppedUnusableFaces(faces) => write!(out, "dropped unusable faces: {faces}"),
-            Self::DroppedDegenerateFaces(faces) => write!(out, "removed faces of no area: {faces}"),
-            Self::DroppedDuplicateFaces(faces) => write!(out, "dropped duplicate faces: {faces}"),
-            Self::CutAtFaces(faces) => {
-                write!(out, "cut along edges of more than two faces: faces {faces}")
-            }
-            Self::MergedVertices(vertices) => {
-                write!(
-                    out,
-                    "merged vertices into earlier ones at the same position: {vertices}"
-                )
-            }
-            Self::SplitVertices(vertices) => {
-                write!(
-                    out,
-                    "split vertices between separate fans of faces: {vertices}"
-                )
-            }
-            Self::DroppedComponents { components, faces } => write!(
-                out,
-                "kept the largest component and dropped {components} others: faces {faces}"
-            ),
-            Self::FlippedFaces(faces) => write!(out, "turned over faces: {faces}"),
-            Self::DroppedVertices(vertices) => write!(out, "dropped unused vertices: {vertices}"),
-        }
-    }
-}
-
-/// Input ids touched, by kind of repair.
-#[derive(Default)]
-pub(super) struct Log {
-    pub(super) triangulated: BTreeSet<u32>,
-    unusable: BTreeSet<u32>,
-    degenerate: BTreeSet<u32>,
-    duplicate: BTreeSet<u32>,
-    cut: BTreeSet<u32>,
-    merged: BTreeSet<u32>,
-    split: BTreeSet<u32>,
-    components: usize,
-    component_faces: BTreeSet<u32>,
-    flipped: BTreeSet<u32>,
-    pub(super) dropped_vertices: BTreeSet<u32>,
-}
-
-impl Log {
-    /// Returns what was done, in the order in which it is done.
-    pub(super) fn repairs(&self) -> Vec<Repair> {
-        let dropped = |faces| Repair::DroppedComponents {
-            components: self.components,
-            faces,
-        };
-        let kinds: [(&BTreeSet<u32>, &dyn Fn(Affected) -> Repair); 10] = [
-            (&self.triangulated, &Repair::Triangulated),
-            (&self.unusable, &Repair::DroppedUnusableFaces),
-            (&self.degenerate, &Repair::DroppedDegenerateFaces),
-            (&self.duplicate, &Repair::DroppedDuplicateFaces),
-            (&self.cut, &Repair::CutAtFaces),
-            (&self.merged, &Repair::MergedVertices),
-            (&self.split, &Repair::SplitVertices),
-            (&self.component_faces, &dropped),
-            (&self.flipped, &Repair::FlippedFaces),
-            (&self.dropped_vertices, &Repair::DroppedVertices),
-        ];
-        let done = kinds.iter().filter(|(ids, _)| !ids.is_empty());
-        done.map(|(ids, repair)| repair(Affected::new(ids)))
-            .collect()
-    }
-}
 
 /// Triangles on their way to a mesh, and where they come from.
 pub(super) struct Sheet<'a> {
-    input: &'a [Point3<f64>],
+    pub(super) input: &'a [Point3<f64>],
     /// Input vertex of each vertex.
     pub(super) vertex_origin: Vec<u32>,
     /// Corners of each triangle.
     pub(super) faces: Vec<[u32; 3]>,
     /// Input face of each triangle.
-    face_origin: Vec<u32>,
+    pub(super) face_origin: Vec<u32>,
 }
 
 impl<'a> Sheet<'a> {
@@ -208,7 +71,7 @@ impl<'a> Sheet<'a> {
             .collect()
     }
 
-    fn corners(&self, triangle: [u32; 3]) -> [Point3<f64>; 3] {
+    pub(super) fn corners(&self, triangle: [u32; 3]) -> [Point3<f64>; 3] {
         triangle.map(|v| self.input[self.vertex_origin[v as usize] as usize])
     }
 
@@ -221,52 +84,6 @@ impl<'a> Sheet<'a> {
         changed |= self.keep_largest(log);
         changed |= self.drop_unused_vertices();
         changed
-    }
-
-    /// Removes a face whose middle corner lies on its longest side by splitting the face beyond
-    /// that side there, so that no slit is left.
-    fn split_at_flat_corners(&mut self, log: &mut Log) -> bool {
-        let flat: Vec<u32> = (0..self.faces.len() as u32)
-            .filter(|&f| is_collinear(&self.corners(self.faces[f as usize])))
-            .collect();
-        if flat.is_empty() {
-            return false;
-        }
-        let table = EdgeTable::of_triangles(&self.faces);
-        let mut touched = BTreeSet::new();
-        for face in flat {
-            let triangle = self.faces[face as usize];
-            let corners = self.corners(triangle);
-            let length = |i: usize| (corners[(i + 1) % 3] - corners[i]).norm_squared();
-            let side = (1..3).fold(0, |best, i| if length(i) > length(best) { i } else { best });
-            let (from, to) = (triangle[side], triangle[(side + 1) % 3]);
-            let apex = triangle[(side + 2) % 3];
-            let [one, two] = table.edge(from, to) else {
-                continue;
-            };
-            let other = if one.face == face { two.face } else { one.face };
-            if touched.contains(&face) || touched.contains(&other) {
-                continue;
-            }
-            if let Some(halves) = self.halves(other, [from, to], apex) {
-                log.degenerate.insert(self.face_origin[face as usize]);
-                touched.extend([face, other]);
-                self.faces[other as usize] = halves[0];
-                self.faces[face as usize] = halves[1];
-                self.face_origin[face as usize] = self.face_origin[other as usize];
-            }
-        }
-        !touched.is_empty()
-    }
-
-    /// Returns the halves of a face split at `apex` on the side between `ends`, if they are sound.
-    fn halves(&self, face: u32, ends: [u32; 2], apex: u32) -> Option<[[u32; 3]; 2]> {
-        let triangle = self.faces[face as usize];
-        let i = (0..3).find(|&i| !ends.contains(&triangle[i]))?;
-        let (far, from, to) = (triangle[i], triangle[(i + 1) % 3], triangle[(i + 2) % 3]);
-        let halves = [[far, from, apex], [far, apex, to]];
-        let sound = |half: [u32; 3]| !is_collinear(&self.corners(half));
-        (far != apex && halves.into_iter().all(sound)).then_some(halves)
     }
 
     fn drop_degenerate(&mut self, log: &mut Log) -> bool {
@@ -407,53 +224,6 @@ impl<'a> Sheet<'a> {
         self.retain_faces(&mut log.component_faces, |_, f| {
             roots[f] as usize == largest
         })
-    }
-
-    /// Returns an edge and its faces across which orientation comes back reversed, or orients all
-    /// faces alike: outwards if the surface is closed, else as most of them are.
-    pub(super) fn orient(&mut self, log: &mut Log) -> Result<bool, ([u32; 2], [u32; 2])> {
-        let mut oriented = DisjointSets::new(self.faces.len());
-        let mut closed = true;
-        for edge in EdgeTable::of_triangles(&self.faces).edges() {
-            closed &= edge.len() == 2;
-            let [one, two] = edge else { continue };
-            if !oriented.join(one.face, two.face, one.reversed == two.reversed) {
-                let ends = [one.low, one.high].map(|v| self.vertex_origin[v as usize]);
-                let faces = [one.face, two.face].map(|f| self.face_origin[f as usize]);
-                return Err((ends, faces));
-            }
-        }
-        let odd: Vec<bool> = (0..self.faces.len() as u32)
-            .map(|f| oriented.find(f).1)
-            .collect();
-        let volume = if closed { self.volume(&odd) } else { 0.0 };
-        let minority = 2 * odd.iter().filter(|&&odd| odd).count() <= odd.len();
-        // Volume is that of the even faces as they are and the odd ones turned over.
-        let turned = if volume == 0.0 {
-            minority
-        } else {
-            volume > 0.0
-        };
-        let mut changed = false;
-        for face in (0..odd.len()).filter(|&f| odd[f] == turned) {
-            self.faces[face].swap(1, 2);
-            log.flipped.insert(self.face_origin[face]);
-            changed = true;
-        }
-        Ok(changed)
-    }
-
-    /// Returns six times the volume enclosed once the odd faces are turned over.
-    fn volume(&self, odd: &[bool]) -> f64 {
-        let centre = self.corners(self.faces[0])[0];
-        let triangles = self.faces.iter().zip(odd);
-        triangles
-            .map(|(&triangle, &odd)| {
-                let [a, b, c] = self.corners(triangle).map(|p| p - centre);
-                let part = a.dot(&b.cross(&c));
-                if odd { -part } else { part }
-            })
-            .sum()
     }
 
     fn drop_unused_vertices(&mut self) -> bool {

@@ -70,7 +70,7 @@ pub fn subdivide_midpoint(mesh: &TriangleMesh, rounds: u32) -> (TriangleMesh, Su
 /// that depends on the boundary alone.
 ///
 /// # Reference
-/// [Loop1987] the mask of §3.2. Boundary rule of [Hoppe1994].
+/// [Loop1987] vertex and edge masks. Deviation: boundaries follow the cubic B-spline masks.
 ///
 /// # Panics
 /// If there are more half-edges than 32-bit ids.

@@ -153,7 +153,7 @@ impl Topology {
     /// Returns the previous half-edge around the same face.
     #[must_use]
     pub fn previous(half_edge: u32) -> u32 {
-        if half_edge % 3 == 0 {
+        if half_edge.is_multiple_of(3) {
             half_edge + 2
         } else {
             half_edge - 1
@@ -273,48 +273,6 @@ impl Topology {
     #[must_use]
     pub fn euler_characteristic(&self) -> i64 {
         self.vertex_count() as i64 - self.edge_count() as i64 + self.face_count() as i64
-    }
-
-    /// Checks every invariant of the arrays.
-    ///
-    /// # Panics
-    /// If one does not hold: for tests of what makes meshes.
-    pub fn sanity_check(&self) {
-        assert_eq!(self.twins.len(), 3 * self.faces.len());
-        for half_edge in 0..self.twins.len() as u32 {
-            let twin = self.twin(half_edge);
-            if twin != NONE {
-                assert_ne!(twin, half_edge);
-                assert_eq!(self.twin(twin), half_edge);
-                assert_eq!(self.origin(twin), self.target(half_edge));
-                assert_eq!(self.edge(twin), self.edge(half_edge));
-            }
-            let first = self.edge_half_edge(self.edge(half_edge));
-            assert!(first == half_edge || first == twin);
-        }
-        let mut corners = 0;
-        for vertex in 0..self.vertex_count() as u32 {
-            let fan: Vec<u32> = self.outgoing(vertex).collect();
-            assert!(fan.iter().all(|&h| self.origin(h) == vertex));
-            let mut neighbours: Vec<u32> = self.neighbours(vertex).collect();
-            assert_eq!(
-                neighbours.len(),
-                fan.len() + usize::from(self.is_boundary_vertex(vertex))
-            );
-            neighbours.sort_unstable();
-            assert!(neighbours.windows(2).all(|pair| pair[0] < pair[1]));
-            corners += fan.len();
-        }
-        assert_eq!(
-            corners,
-            self.twins.len(),
-            "the fans cover every corner once"
-        );
-        let boundary = self.twins.iter().filter(|&&twin| twin == NONE).count();
-        assert_eq!(
-            self.boundary_loops().iter().map(Vec::len).sum::<usize>(),
-            boundary
-        );
     }
 
     fn find_vertex_half_edges(&self, vertex_count: usize) -> Result<Vec<u32>, TopologyError> {

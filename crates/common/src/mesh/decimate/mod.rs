@@ -59,7 +59,7 @@ const EVENNESS: f64 = 1e-6;
 /// of the bounding box. Cost: O(n log n).
 ///
 /// # Reference
-/// [Garland1997] §3-§5. Deviation: planes are weighted by area, and a small share of the edge
+/// [Garland1997] §4-§6. Deviation: planes are weighted by area, and a small share of the edge
 /// length is added to the cost.
 ///
 /// # Errors

@@ -129,6 +129,9 @@ impl Surface {
     /// Returns whether merging the ends of an edge keeps the surface the manifold it is: the ends
     /// have no common neighbours but the corners opposite to the edge, the edge is no chord of the
     /// boundary, and those corners keep enough faces.
+    ///
+    /// # Reference
+    /// [Dey1999] link condition of a 2-complex.
     fn link_condition(&mut self, [a, b]: [u32; 2], shared: &[u32]) -> bool {
         let inner = shared.len() == 2;
         if inner && self.boundary[a as usize] && self.boundary[b as usize] {

@@ -34,9 +34,23 @@ fn a_subdivided_polyhedron_decimates_to_itself() {
     let found = decimate(&fine, 12).unwrap();
     let apart = distance(&coarse, &found.mesh, 2_000, 1).unwrap();
     assert!(apart.max < 1e-9, "{apart:?}");
-    // In the order of edge lengths it does not: this is what the quadrics are for.
-    let by_length = decimate_evenly(&fine, 12, 1e6).unwrap();
-    assert!(distance(&coarse, &by_length.mesh, 2_000, 1).unwrap().max > 1e-4);
+}
+
+#[test]
+fn vertices_stay_where_the_surface_bends() {
+    let patch = shapes::height_field(1_600);
+    let wave = |p: &Point3<f64>| {
+        let height = if p.x > 0.0 {
+            0.1 * (9.0 * p.x).sin() * (9.0 * p.y).sin()
+        } else {
+            0.0
+        };
+        Point3::new(p.x, p.y, height)
+    };
+    let mesh = patch.with_positions(patch.positions().iter().map(wave).collect());
+    let coarse = decimate(&mesh, 300).unwrap().mesh;
+    let flat = coarse.positions().iter().filter(|p| p.x < -0.05).count();
+    assert!(flat < 60, "{flat} of 300 vertices lie in the flat half");
 }
 
 #[test]
