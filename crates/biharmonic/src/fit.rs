@@ -12,8 +12,9 @@ use crate::knot_values::KnotValues;
 use crate::select::{Selected, probe_scale, select};
 use crate::{BiharmonicSpline, FitError, KnotChoice, Options, Space};
 
-/// Relative residual of the final fit. The mean error is then exact to five digits.
-const FIT_TOLERANCE: f64 = 1e-6;
+/// Share by which the squared error of the final fit may exceed its minimum: the mean error is then
+/// exact to five digits.
+const FIT_EXCESS: f64 = 1e-8;
 
 /// Iterations allowed to the final fit. Well-spread knots take 15; clustered ones hundreds.
 const FIT_ITERATIONS: u32 = 400;
@@ -92,9 +93,8 @@ pub fn fit(
     let system = KnotValues::factor(&space, knots)?;
     let _ = observer(&Progress::new("fit", 0, 1));
     let scale = probe_scale(&system, options.seed);
-    let mut values = system.gather(fitted.as_ref().unwrap_or(&centred));
-    let report = system.least_squares(&centred, &scale, &mut values, FIT_TOLERANCE, FIT_ITERATIONS);
-    let f = system.extend(values.as_ref());
+    let start = fitted.as_ref().unwrap_or(&centred);
+    let (f, report) = system.least_squares(&centred, start, &scale, FIT_EXCESS, FIT_ITERATIONS);
     let coefficients = system.coefficients(&f);
     let _ = observer(&Progress::new("fit", 1, 1));
     let mut warnings = Vec::new();

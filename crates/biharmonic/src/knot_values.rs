@@ -8,7 +8,7 @@
 //! Lagrange multipliers, which leaves normal equations of condition below 100.
 
 use msplines_common::linalg::{
-    CgReport, Cholesky, Mat, MatRef, Symbolic, SymmetricMatrix, conjugate_gradient,
+    CgReport, CgTolerance, Cholesky, Mat, MatRef, Symbolic, SymmetricMatrix, conjugate_gradient,
 };
 
 use crate::{FitError, Space};
@@ -46,10 +46,7 @@ impl<'a> KnotValues<'a> {
 
     /// Returns `H p`, the spline (n × d) with these values at the knots.
     pub(crate) fn extend(&self, values: MatRef<'_, f64>) -> Mat<f64> {
-        let n = self.bilaplacian.size();
-        let mut at_knots = Mat::zeros(n, values.ncols());
-        self.scatter(values, &mut at_knots);
-        let mut f = self.bilaplacian.multiply(at_knots.as_ref());
+        let mut f = self.bilaplacian.multiply_columns(&self.knots, values);
         f *= -1.0;
         self.factor.solve_in_place(f.as_mut());
         self.scatter(values, &mut f);
@@ -69,10 +66,10 @@ impl<'a> KnotValues<'a> {
 
     /// Returns `Hᵀ g`, one row per knot, given `g` and `B_ZZ⁻¹ g_Z`.
     pub(crate) fn restrict_solved(&self, g: &Mat<f64>, solved: &Mat<f64>) -> Mat<f64> {
-        let image = self.bilaplacian.multiply(solved.as_ref());
+        let image = self.bilaplacian.multiply_rows(&self.knots, solved.as_ref());
         Mat::from_fn(self.knots.len(), g.ncols(), |k, side| {
             let knot = self.knots[k] as usize;
-            g[(knot, side)] - image[(knot, side)]
+            g[(knot, side)] - image[(k, side)]
         })
     }
 
@@ -90,29 +87,36 @@ impl<'a> KnotValues<'a> {
 
     /// Returns the Green's coefficients `(B f)_T` at the knots.
     pub(crate) fn coefficients(&self, f: &Mat<f64>) -> Mat<f64> {
-        self.gather(&self.bilaplacian.multiply(f.as_ref()))
+        self.bilaplacian.multiply_rows(&self.knots, f.as_ref())
     }
 
-    /// Improves the values at the knots to the least-squares fit of `data`.
+    /// Returns the least-squares spline, found from the values of `start` at the knots on, and how.
     ///
-    /// `scale` approximates the diagonal of `Hᵀ H`.
+    /// `scale` approximates the diagonal of `Hᵀ H`. Iterations stop when the squared error exceeds
+    /// its minimum by about the share `excess`.
     pub(crate) fn least_squares(
         &self,
         data: &Mat<f64>,
+        start: &Mat<f64>,
         scale: &[f64],
-        values: &mut Mat<f64>,
-        tolerance: f64,
+        excess: f64,
         max_iterations: u32,
-    ) -> CgReport {
-        let b = self.restrict(data);
-        conjugate_gradient(
+    ) -> (Mat<f64>, CgReport) {
+        let mut f = self.extend(self.gather(start).as_ref());
+        let residual = data - &f;
+        let energy = residual.squared_norm_l2() * excess / data.ncols() as f64;
+        let b = self.restrict(&residual);
+        let mut values = Mat::zeros(b.nrows(), b.ncols());
+        let report = conjugate_gradient(
             |p| self.restrict(&self.extend(p)),
             |r| Mat::from_fn(r.nrows(), r.ncols(), |k, side| r[(k, side)] / scale[k]),
             b.as_ref(),
-            values,
-            tolerance,
+            &mut values,
+            CgTolerance::Energy(energy),
             max_iterations,
-        )
+        );
+        f += self.extend(values.as_ref());
+        (f, report)
     }
 
     fn scatter(&self, values: MatRef<'_, f64>, f: &mut Mat<f64>) {

@@ -297,6 +297,32 @@ fn stale_factors_lead_to_the_solution_from_scratch() {
 }
 
 #[test]
+fn a_rough_solve_with_a_stale_factor_comes_nearer() {
+    let mesh = torus(40, 24);
+    let space = Space::assemble(mesh.topology()).unwrap();
+    let data = Mat::from_fn(mesh.vertex_count(), 3, |v, side| mesh.positions()[v][side]);
+    for constraints in [SOFT, Constraints::Hard] {
+        let start = Mat::zeros(mesh.vertex_count(), 3);
+        let mut growing = System::new(&space, constraints, data.clone(), start.clone());
+        growing.add(&[5, 333, 700]);
+        growing.improve(0.1).unwrap();
+        for batch in 0..3u32 {
+            growing.add(&[40 + batch * 300, 90 + batch * 290, 150 + batch * 280]);
+            let mut exact = System::new(&space, constraints, data.clone(), start.clone());
+            exact.add(growing.controls());
+            exact.solve().unwrap();
+            let before = (growing.solution() - exact.solution()).norm_l2();
+            growing.improve(0.1).unwrap();
+            let after = (growing.solution() - exact.solution()).norm_l2();
+            assert!(
+                after < 0.3 * before,
+                "batch {batch}: {before} became {after}"
+            );
+        }
+    }
+}
+
+#[test]
 fn stored_controls_give_the_same_bits() {
     let mesh = torus(20, 12);
     for constraints in [SOFT, Constraints::Hard] {
@@ -345,7 +371,11 @@ fn a_break_returns_the_controls_so_far() {
     assert_eq!(found as u64, seen[2].done);
     assert!(found < 40);
     assert_eq!(seen.iter().filter(|p| p.phase == "select").count(), 3);
-    assert!(seen[..3].iter().all(|p| p.total == 100 && p.objective > Some(0.0)));
+    assert!(
+        seen[..3]
+            .iter()
+            .all(|p| p.total == 100 && p.objective > Some(0.0))
+    );
     assert_eq!((seen[3].phase, seen[4].phase), ("fit", "fit"));
     let whole = fit(&mesh, positions(&values), &options, &mut unobserved()).unwrap();
     assert_eq!(whole.report.outcome, Outcome::Converged);

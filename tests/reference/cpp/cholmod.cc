@@ -89,7 +89,7 @@ void Cholmod::solve(rust::Slice<const double> right_hand_sides, rust::Slice<doub
   std::copy(x, x + solutions.size(), solutions.begin());
 }
 
-std::size_t Cholmod::nonzeros() const { return static_cast<std::size_t>(state_->common.lnz); }
+std::size_t Cholmod::stored_values() const { return state_->factor->xsize; }
 
 std::unique_ptr<Cholmod> cholmod_lower(rust::Slice<const std::size_t> starts,
                                        rust::Slice<const std::uint32_t> rows,

@@ -33,7 +33,7 @@ class Cholmod {
   void analyze();
   void factor();
   void solve(rust::Slice<const double> right_hand_sides, rust::Slice<double> solutions);
-  std::size_t nonzeros() const;
+  std::size_t stored_values() const;
 
  private:
   struct State;

@@ -62,7 +62,7 @@ mod ffi {
             right_hand_sides: &[f64],
             solutions: &mut [f64],
         ) -> Result<()>;
-        fn nonzeros(self: &Cholmod) -> usize;
+        fn stored_values(self: &Cholmod) -> usize;
         fn cholmod_version() -> String;
         fn cpu_seconds() -> f64;
     }

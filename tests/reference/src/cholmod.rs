@@ -64,9 +64,9 @@ impl Cholmod {
             .expect("CHOLMOD solves");
     }
 
-    /// Returns the number of entries of the factor.
+    /// Returns how many values the factor stores, zeros of its blocks included.
     #[must_use]
-    pub fn nonzeros(&self) -> usize {
-        self.solver.nonzeros()
+    pub fn stored_values(&self) -> usize {
+        self.solver.stored_values()
     }
 }

@@ -26,6 +26,7 @@ pub fn generated() -> Vec<(String, TriangleMesh)> {
         named("torus knot", shapes::torus_knot(2, 3, 3_000)),
         named("cylinder", shapes::cylinder(1_200)),
         named("height field", shapes::height_field(1_000)),
+        named("genus 3", shapes::genus(3, 2_000)),
     ]
 }
 

@@ -2,12 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use msplines_common::mesh::Topology;
+use msplines_common::mesh::{Topology, TriangleMesh, subdivide_loop};
 use msplines_reference::record::Comparison;
-use msplines_reference::{Library, meshes, openmesh_facts};
+use msplines_reference::{Library, meshes, openmesh_facts, openmesh_loop};
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+
+/// Both sides add a handful of products in different order.
+const ROUNDING: f64 = 1e-14;
 
 #[test]
 fn euler_characteristic_and_boundary_agree() {
@@ -121,5 +124,62 @@ fn damaged_meshes_are_judged_manifold_or_not_alike() {
         manifold > 50 && broken > 50,
         "{manifold} manifold, {broken} broken: one side only"
     );
+    comparison.finish();
+}
+
+/// Returns the position of each vertex of a once subdivided mesh: by itself for old vertices, by
+/// the two ends of its edge for new ones, since the order of new vertices is nobody's promise.
+fn by_origin(
+    old: usize,
+    positions: &[Point3<f64>],
+    faces: &[[u32; 3]],
+) -> BTreeMap<(u32, u32), Point3<f64>> {
+    let mut ends: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for face in faces {
+        for (i, &vertex) in face.iter().enumerate() {
+            for other in [face[(i + 1) % 3], face[(i + 2) % 3]] {
+                if vertex as usize >= old && (other as usize) < old {
+                    ends.entry(vertex).or_default().push(other);
+                }
+            }
+        }
+    }
+    let old_vertices = (0..old).map(|v| ((v as u32, v as u32), positions[v]));
+    let new_vertices = ends.iter().map(|(&vertex, ends)| {
+        let low = ends.iter().min().copied().unwrap_or(vertex);
+        let high = ends.iter().max().copied().unwrap_or(vertex);
+        ((low, high), positions[vertex as usize])
+    });
+    old_vertices.chain(new_vertices).collect()
+}
+
+fn deviations(mesh: &TriangleMesh) -> Vec<f64> {
+    let ours = subdivide_loop(mesh, 1);
+    let (positions, faces) = openmesh_loop(mesh);
+    let ours = by_origin(mesh.vertex_count(), ours.positions(), ours.faces());
+    let theirs = by_origin(mesh.vertex_count(), &positions, &faces);
+    let expected = mesh.vertex_count() + mesh.topology().edge_count();
+    assert_eq!((ours.len(), theirs.len()), (expected, expected));
+    let diagonal = mesh.diagonal();
+    ours.iter()
+        .map(|(key, point)| (point - theirs[key]).norm() / diagonal)
+        .collect()
+}
+
+#[test]
+fn loop_subdivision_moves_every_vertex_to_the_same_place() {
+    let mut comparison = Comparison::new(
+        "Loop subdivision",
+        Library::OpenMesh,
+        ROUNDING,
+        "in diagonals: a few products added in another order",
+    );
+    for (name, mesh) in meshes::all() {
+        comparison.add(&name, deviations(&mesh));
+        if mesh.vertex_count() < 1_500 {
+            let finer = subdivide_loop(&mesh, 1);
+            comparison.add(&format!("{name}, second round"), deviations(&finer));
+        }
+    }
     comparison.finish();
 }

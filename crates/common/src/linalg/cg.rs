@@ -2,6 +2,19 @@
 
 use faer::{Mat, MatRef};
 
+/// When conjugate gradients have come close enough.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CgTolerance {
+    /// In every column, when the residual is this small against the right-hand side, in the norm of
+    /// the preconditioner.
+    Relative(f64),
+    /// In every column, when the squared residual in the norm of the preconditioner is below this.
+    ///
+    /// For normal equations that square is (up to the condition number) what the squared error of
+    /// the fit exceeds its minimum by.
+    Energy(f64),
+}
+
 /// How a run of conjugate gradients ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CgReport {
@@ -13,7 +26,7 @@ pub struct CgReport {
     pub converged: bool,
 }
 
-/// Improves `x` until `A x = b` holds to a relative residual of `tolerance` in every column.
+/// Improves `x` until `A x = b` holds to the `tolerance` in every column.
 ///
 /// `apply` returns `A` times its argument, `precondition` an approximate inverse times it; both must
 /// be symmetric and positive definite. All columns step together, each with its own coefficients.
@@ -25,7 +38,7 @@ pub fn conjugate_gradient(
     mut precondition: impl FnMut(MatRef<'_, f64>) -> Mat<f64>,
     b: MatRef<'_, f64>,
     x: &mut Mat<f64>,
-    tolerance: f64,
+    tolerance: CgTolerance,
     max_iterations: u32,
 ) -> CgReport {
     assert_eq!(
@@ -33,14 +46,20 @@ pub fn conjugate_gradient(
         (x.nrows(), x.ncols()),
         "one unknown per equation"
     );
-    let mut residual = b.to_owned() - apply(x.as_ref());
+    let at_zero = x
+        .col_iter()
+        .all(|column| column.iter().all(|&value| value == 0.0));
+    let mut residual = b.to_owned();
+    if !at_zero {
+        residual -= apply(x.as_ref());
+    }
     let mut direction = precondition(residual.as_ref());
     let reference = column_products(b, precondition(b).as_ref());
     let mut product = column_products(residual.as_ref(), direction.as_ref());
-    let limit: Vec<f64> = reference
-        .iter()
-        .map(|r| r * tolerance * tolerance)
-        .collect();
+    let limit: Vec<f64> = match tolerance {
+        CgTolerance::Relative(ratio) => reference.iter().map(|r| r * ratio * ratio).collect(),
+        CgTolerance::Energy(energy) => vec![energy; x.ncols()],
+    };
     let mut iterations = 0;
     while iterations < max_iterations && product.iter().zip(&limit).any(|(p, l)| p > l) {
         let image = apply(direction.as_ref());

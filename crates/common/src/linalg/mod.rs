@@ -21,7 +21,7 @@ mod symbolic;
 #[cfg(test)]
 mod tests;
 
-pub use cg::{CgReport, conjugate_gradient};
+pub use cg::{CgReport, CgTolerance, conjugate_gradient};
 pub use cholesky::{Cholesky, FactorError};
 pub use dense::{column, column_mut};
 pub use ordering::{Ordering, OrderingError};

@@ -150,7 +150,7 @@ fn conjugate_gradients_agree_with_the_factor() {
         |v| Mat::from_fn(400, 2, |i, j| v[(i, j)] / diagonal[i]),
         b.as_ref(),
         &mut x,
-        1e-12,
+        CgTolerance::Relative(1e-12),
         500,
     );
     assert!(report.converged && report.iterations > 3);
