@@ -136,7 +136,7 @@ impl<'a> System<'a> {
     /// Conjugate gradients for the forces, from the present ones and none at the newest controls.
     ///
     /// # Reference
-    /// [Hestenes1952]; [Woodbury1950].
+    /// [Hestenes1952].
     fn adjust_forces(&mut self, tolerance: f64) {
         let Some(factor) = self.factor.take() else {
             return;
