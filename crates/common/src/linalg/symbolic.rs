@@ -369,8 +369,8 @@ fn supernodes(parent: &[u32], counts: &[u32]) -> Vec<u32> {
         nonzeros: usize,
     }
     let mut runs: Vec<Run> = Vec::new();
-    for column in 0..parent.len() {
-        let count = counts[column] as usize;
+    for (column, &count) in counts.iter().enumerate() {
+        let count = count as usize;
         let mut run = Run {
             first: column,
             columns: 1,
