@@ -46,10 +46,7 @@ impl<'a> KnotValues<'a> {
 
     /// Returns `H p`, the spline (n × d) with these values at the knots.
     pub(crate) fn extend(&self, values: MatRef<'_, f64>) -> Mat<f64> {
-        let n = self.bilaplacian.size();
-        let mut at_knots = Mat::zeros(n, values.ncols());
-        self.scatter(values, &mut at_knots);
-        let mut f = self.bilaplacian.multiply(at_knots.as_ref());
+        let mut f = self.bilaplacian.multiply_columns(&self.knots, values);
         f *= -1.0;
         self.factor.solve_in_place(f.as_mut());
         self.scatter(values, &mut f);
@@ -69,10 +66,10 @@ impl<'a> KnotValues<'a> {
 
     /// Returns `Hᵀ g`, one row per knot, given `g` and `B_ZZ⁻¹ g_Z`.
     pub(crate) fn restrict_solved(&self, g: &Mat<f64>, solved: &Mat<f64>) -> Mat<f64> {
-        let image = self.bilaplacian.multiply(solved.as_ref());
+        let image = self.bilaplacian.multiply_rows(&self.knots, solved.as_ref());
         Mat::from_fn(self.knots.len(), g.ncols(), |k, side| {
             let knot = self.knots[k] as usize;
-            g[(knot, side)] - image[(knot, side)]
+            g[(knot, side)] - image[(k, side)]
         })
     }
 
@@ -90,7 +87,7 @@ impl<'a> KnotValues<'a> {
 
     /// Returns the Green's coefficients `(B f)_T` at the knots.
     pub(crate) fn coefficients(&self, f: &Mat<f64>) -> Mat<f64> {
-        self.gather(&self.bilaplacian.multiply(f.as_ref()))
+        self.bilaplacian.multiply_rows(&self.knots, f.as_ref())
     }
 
     /// Returns the least-squares spline, found from the values of `start` at the knots on, and how.

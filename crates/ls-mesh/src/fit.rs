@@ -15,9 +15,9 @@ use crate::space::Space;
 use crate::spline::LsMesh;
 use crate::system::System;
 
-/// By how much a solve during the selection reduces the energy norm of its error: the maxima of
+/// By how much a solve during the selection reduces its error at the newer controls: the maxima of
 /// the error are then where they would be to within the spread between near ties.
-const SELECTION_TOLERANCE: f64 = 0.1;
+const SELECTION_TOLERANCE: f64 = 0.2;
 
 /// Largest change by the last refinement step, relative to the extent of the data, that counts as
 /// an exact solve.

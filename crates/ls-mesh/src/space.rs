@@ -4,6 +4,8 @@
 //! `L = I - D⁻¹ W` with the adjacency `W` and its row sums `D`; `K = D - W`, so that
 //! `Lᵀ L = K D⁻² K`.
 
+use std::collections::VecDeque;
+
 use msplines_common::linalg::{Mat, MatRef, Ordering, OrderingError, SymmetricMatrix};
 use msplines_common::mesh::Topology;
 use rayon::prelude::*;
@@ -54,6 +56,25 @@ impl Space {
 
     pub(crate) fn ordering(&self) -> &Ordering {
         &self.ordering
+    }
+
+    /// Returns the edges from each vertex to the nearest of `sources`, none if out of reach.
+    pub(crate) fn hops(&self, sources: &[u32]) -> Vec<u32> {
+        let mut hops = vec![u32::MAX; self.size()];
+        let mut queue = VecDeque::new();
+        for &source in sources {
+            hops[source as usize] = 0;
+            queue.push_back(source as usize);
+        }
+        while let Some(vertex) = queue.pop_front() {
+            for &other in self.neighbours(vertex) {
+                if hops[other as usize] == u32::MAX {
+                    hops[other as usize] = hops[vertex] + 1;
+                    queue.push_back(other as usize);
+                }
+            }
+        }
+        hops
     }
 
     /// Returns `Lᵀ L x`, summed over differences so that constants give exact zeros.

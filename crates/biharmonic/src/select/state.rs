@@ -9,8 +9,12 @@ use super::voronoi::Graph;
 use crate::knot_values::KnotValues;
 use crate::{FitError, Space};
 
-/// Share by which the squared error of fits between rounds may exceed its minimum.
-const ROUND_EXCESS: f64 = 1e-3;
+/// Share by which the squared error of a fit may exceed its minimum where the fit only serves to
+/// choose the next move.
+const ROUGH_EXCESS: f64 = 1e-2;
+
+/// The same where two sets of knots are compared.
+const FAIR_EXCESS: f64 = 2e-3;
 
 /// Iterations allowed to a fit between rounds.
 const ROUND_ITERATIONS: u32 = 30;
@@ -50,7 +54,7 @@ impl<'a> State<'a> {
             fitted: data.clone(),
             error: 0.0,
         };
-        state.fit();
+        state.fit(ROUGH_EXCESS);
         Ok(state)
     }
 
@@ -141,6 +145,8 @@ impl<'a> State<'a> {
         });
         knots.extend(inserted);
         let system = KnotValues::factor(self.space, knots.into_iter().collect())?;
+        // Only what lost knots is compared with another set; what gained some is about to lose them.
+        let compared = !removed.is_empty();
         let moves = self.moves + 1;
         let probes = Probes::estimate(&system, self.data.nrows(), self.seed.wrapping_add(moves));
         let mut state = Self {
@@ -154,17 +160,17 @@ impl<'a> State<'a> {
             fitted: self.fitted.clone(),
             error: 0.0,
         };
-        state.fit();
+        state.fit(if compared { FAIR_EXCESS } else { ROUGH_EXCESS });
         Ok(state)
     }
 
     /// Fits the knots, from the present spline on.
-    fn fit(&mut self) {
+    fn fit(&mut self, excess: f64) {
         let (fitted, _) = self.system.least_squares(
             self.data,
             &self.fitted,
             &self.probes.scale,
-            ROUND_EXCESS,
+            excess,
             ROUND_ITERATIONS,
         );
         self.fitted = fitted;

@@ -4,6 +4,8 @@ use faer::reborrow::ReborrowMut;
 use faer::{Mat, MatMut, MatRef};
 use rayon::prelude::*;
 
+use super::dense::{column, column_mut};
+
 /// Rows whose products are computed by one task: a fixed number, so that results do not depend on
 /// the number of threads.
 const ROWS_PER_TASK: usize = 4096;
@@ -217,35 +219,79 @@ impl SymmetricMatrix {
         assert_eq!(x.ncols(), out.ncols(), "as many columns out as in");
         for first in (0..x.ncols()).step_by(SIDES) {
             let width = SIDES.min(x.ncols() - first);
-            let input: [&[f64]; SIDES] = std::array::from_fn(|side| {
-                let column = x.col(first + side.min(width - 1));
-                column
-                    .try_as_col_major()
-                    .expect("columns are contiguous")
-                    .as_slice()
-            });
+            let input = interleaved(x, first);
             let tasks = self.size().div_ceil(ROWS_PER_TASK);
             let blocks: Vec<Vec<[f64; SIDES]>> = (0..tasks)
                 .into_par_iter()
                 .map(|task| {
                     let rows = task * ROWS_PER_TASK..self.size().min((task + 1) * ROWS_PER_TASK);
-                    rows.map(|row| self.row_products(row, input)).collect()
+                    rows.map(|row| self.row_products(row, &input)).collect()
                 })
                 .collect();
             for side in 0..width {
-                let mut column = out.rb_mut().col_mut(first + side);
-                for (row, sums) in blocks.iter().flatten().enumerate() {
-                    column[row] = sums[side];
+                let column = column_mut(out.rb_mut(), first + side);
+                for (value, sums) in column.iter_mut().zip(blocks.iter().flatten()) {
+                    *value = sums[side];
                 }
             }
         }
     }
 
-    fn row_products(&self, row: usize, input: [&[f64]; SIDES]) -> [f64; SIDES] {
+    /// Returns some rows of this matrix times `x`, in the order of `rows`.
+    ///
+    /// # Panics
+    /// If `x` has not one row per unknown, or a row does not exist.
+    #[must_use]
+    pub fn multiply_rows(&self, rows: &[u32], x: MatRef<'_, f64>) -> Mat<f64> {
+        let mut out = Mat::zeros(rows.len(), x.ncols());
+        for first in (0..x.ncols()).step_by(SIDES) {
+            let width = SIDES.min(x.ncols() - first);
+            let input = interleaved(x, first);
+            let sums: Vec<[f64; SIDES]> = rows
+                .par_iter()
+                .map(|&row| self.row_products(row as usize, &input))
+                .collect();
+            for side in 0..width {
+                let column = column_mut(out.as_mut(), first + side);
+                column
+                    .iter_mut()
+                    .zip(&sums)
+                    .for_each(|(value, sums)| *value = sums[side]);
+            }
+        }
+        out
+    }
+
+    /// Returns this matrix times the vectors that hold `values` (one row per entry of `columns`) and
+    /// zeros elsewhere, in time proportional to the entries of these columns.
+    ///
+    /// # Panics
+    /// If `values` has not one row per column, or a column does not exist.
+    #[must_use]
+    pub fn multiply_columns(&self, columns: &[u32], values: MatRef<'_, f64>) -> Mat<f64> {
+        assert_eq!(
+            columns.len(),
+            values.nrows(),
+            "one row of values per column"
+        );
+        let mut out = Mat::zeros(self.size(), values.ncols());
+        for side in 0..values.ncols() {
+            let target = column_mut(out.as_mut(), side);
+            for (k, &column) in columns.iter().enumerate() {
+                let factor = values[(k, side)];
+                self.column(column as usize)
+                    .for_each(|(row, entry)| target[row] += entry * factor);
+            }
+        }
+        out
+    }
+
+    fn row_products(&self, row: usize, input: &[[f64; SIDES]]) -> [f64; SIDES] {
         let mut sums = [0.0; SIDES];
         for (other, entry) in self.column(row) {
+            let values = &input[other];
             for side in 0..SIDES {
-                sums[side] += entry * input[side][other];
+                sums[side] += entry * values[side];
             }
         }
         sums
@@ -261,6 +307,17 @@ impl SymmetricMatrix {
         self.multiply_into(x, out.as_mut());
         out
     }
+}
+
+/// Returns some columns of `x` side by side, padded with zeros: one cache line serves them all.
+fn interleaved(x: MatRef<'_, f64>, first: usize) -> Vec<[f64; SIDES]> {
+    let mut rows = vec![[0.0; SIDES]; x.nrows()];
+    for side in 0..SIDES.min(x.ncols() - first) {
+        rows.iter_mut()
+            .zip(column(x, first + side))
+            .for_each(|(row, value)| row[side] = *value);
+    }
+    rows
 }
 
 #[cfg(test)]
@@ -304,5 +361,23 @@ mod tests {
         let scaled = Mat::from_fn(9, 2, |i, j| diagonal[i] * inner[(i, j)]);
         let expected = matrix.multiply(scaled.as_ref());
         assert_eq!(product.multiply(x.as_ref()), expected);
+    }
+
+    #[test]
+    fn parts_of_a_product_equal_the_whole() {
+        let matrix = path_laplacian(30);
+        let x = Mat::from_fn(30, 6, |i, j| ((3 * i + 5 * j) % 7) as f64);
+        let whole = matrix.multiply(x.as_ref());
+        let rows = [3u32, 0, 29, 11];
+        let part = matrix.multiply_rows(&rows, x.as_ref());
+        let gathered = Mat::from_fn(4, 6, |k, j| whole[(rows[k] as usize, j)]);
+        assert_eq!(part, gathered);
+        let values = Mat::from_fn(4, 6, |k, j| (k + 2 * j) as f64);
+        let mut spread = Mat::zeros(30, 6);
+        rows.iter().enumerate().for_each(|(k, &row)| {
+            (0..6).for_each(|j| spread[(row as usize, j)] = values[(k, j)]);
+        });
+        let product = matrix.multiply(spread.as_ref());
+        assert_eq!(matrix.multiply_columns(&rows, values.as_ref()), product);
     }
 }

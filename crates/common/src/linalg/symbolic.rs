@@ -19,7 +19,7 @@ use super::{Ordering, SymmetricMatrix};
 const SUBTREE_FRACTION: f64 = 1.0 / 32.0;
 
 /// Share of explicit zeros accepted when supernodes of up to so many columns are merged.
-const RELAXATION: [(usize, f64); 4] = [(4, 0.9), (16, 0.5), (48, 0.12), (usize::MAX, 0.05)];
+const RELAXATION: [(usize, f64); 4] = [(4, 0.5), (16, 0.2), (48, 0.08), (usize::MAX, 0.04)];
 
 /// The symbolic Cholesky factorisation of a principal submatrix.
 #[derive(Clone, Debug)]
@@ -369,8 +369,8 @@ fn supernodes(parent: &[u32], counts: &[u32]) -> Vec<u32> {
         nonzeros: usize,
     }
     let mut runs: Vec<Run> = Vec::new();
-    for column in 0..parent.len() {
-        let count = counts[column] as usize;
+    for (column, &count) in counts.iter().enumerate() {
+        let count = count as usize;
         let mut run = Run {
             first: column,
             columns: 1,

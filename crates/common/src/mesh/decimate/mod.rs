@@ -111,15 +111,15 @@ pub(super) fn decimate_evenly(
 struct Candidate {
     cost: f64,
     ends: [u32; 2],
-    stamps: [u32; 2],
-    position: Point3<f64>,
+    /// Sum of the stamps of the ends, which only grow: if it differs, the candidate is out of date.
+    stamp: u32,
 }
 
 impl Eq for Candidate {}
 
 impl Ord for Candidate {
     fn cmp(&self, other: &Self) -> Ordering {
-        let (one, two) = ((self.ends, self.stamps), (other.ends, other.stamps));
+        let (one, two) = ((self.ends, self.stamp), (other.ends, other.stamp));
         other.cost.total_cmp(&self.cost).then(two.cmp(&one))
     }
 }
@@ -169,10 +169,12 @@ impl Run {
             .collect();
         while self.surface.vertices > target {
             let Some(next) = queue.pop() else { return };
-            if next.stamps != next.ends.map(|v| self.stamps[v as usize]) {
+            if next.stamp != self.stamp(next.ends) {
                 continue;
             }
-            if !self.surface.collapse(next.ends, next.position, tolerance) {
+            // Computing the place again is cheaper than keeping it in the queue.
+            let (_, position) = self.cost(next.ends);
+            if !self.surface.collapse(next.ends, position, tolerance) {
                 continue;
             }
             let [kept, gone] = next.ends.map(|v| v as usize);
@@ -188,18 +190,24 @@ impl Run {
     }
 
     fn candidate(&self, ends: [u32; 2]) -> Candidate {
-        let stamps = ends.map(|v| self.stamps[v as usize]);
+        Candidate {
+            cost: self.cost(ends).0,
+            ends,
+            stamp: self.stamp(ends),
+        }
+    }
+
+    fn stamp(&self, [a, b]: [u32; 2]) -> u32 {
+        self.stamps[a as usize] + self.stamps[b as usize]
+    }
+
+    /// Returns the cost of collapsing an edge and the place of the vertex that remains.
+    fn cost(&self, ends: [u32; 2]) -> (f64, Point3<f64>) {
         let [a, b] = ends.map(|v| self.surface.positions[v as usize]);
         let sum = self.quadrics[ends[0] as usize] + self.quadrics[ends[1] as usize];
         let (error, position) = sum.best_position(a, b);
         let squared = (b - a).norm_squared();
-        let cost = error + self.evenness * squared * squared;
-        Candidate {
-            cost,
-            ends,
-            stamps,
-            position,
-        }
+        (error + self.evenness * squared * squared, position)
     }
 
     fn finish(self, mesh: &TriangleMesh) -> Decimated {
