@@ -11,6 +11,7 @@ pub mod clock;
 pub mod display;
 pub mod error;
 pub mod experiment;
+mod fit;
 pub mod generated;
 pub mod input;
 pub mod measure;

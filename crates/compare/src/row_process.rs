@@ -207,7 +207,7 @@ mod tests {
         let mut steps = Vec::new();
         let limit = Duration::from_secs_f64(limit);
         let result = run_row(&shell(script), &request, limit, &mut |step| {
-            steps.push(step.clone())
+            steps.push(step.clone());
         });
         (result, steps)
     }

@@ -4,31 +4,19 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use msplines_common::evaluate::VertexData;
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::progress::{Observer, Outcome, Progress};
 use serde_json::{Value, json};
 
-use crate::case::{Case, Data, DomainStorage, Input, Method};
+use crate::case::{Case, Data, DomainStorage, Input};
 use crate::clock::{PhaseClock, process_usage};
 use crate::error::RunError;
-use crate::input::{FitData, LoadedInput, fit_data, load, load_domain};
+use crate::fit::fit;
+use crate::input::{LoadedInput, fit_data, load, load_domain};
 use crate::measure::{self, Measured};
 use crate::output::{check_outputs, write_outputs};
 use crate::record::{RUN_SCHEMA, Record, Tool};
-use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
-
-/// Names of the phases in a record.
-const PHASES: [&str; 8] = [
-    "read",
-    "preflight",
-    "domain",
-    "select",
-    "fit",
-    "evaluate",
-    "measure",
-    "write",
-];
+use crate::spline_file::{SplineFile, StoredDomain, StoredMesh};
 
 /// What a run gives.
 #[derive(Clone, Debug)]
@@ -60,6 +48,7 @@ pub fn run(
     announce("read", observer);
     let input = load(&case.input, &mut clock)?;
     let data = fit_data(&case.data, &input)?;
+    enter("domain", &mut clock, observer);
     let fitted = fit(case, &input, &data, &mut clock, observer)?;
     enter("evaluate", &mut clock, observer);
     let (mesh, values) = fitted.stored.evaluate(&input.mesh, case.subdivide)?;
@@ -75,17 +64,16 @@ pub fn run(
     enter("write", &mut clock, observer);
     write_outputs(&case.outputs, &spline, &mesh, &values, &data.names)?;
     clock.leave();
-    let report = fitted.report;
-    let mut checks = report.checks;
+    let mut checks = fitted.checks;
     checks.insert("evaluated_points".to_owned(), json!(mesh.vertex_count()));
     let summary = Summary {
         checks,
-        outcome: report.outcome,
+        outcome: fitted.outcome,
         measured,
         seed: case.seed,
     };
     let mut record = record(&input, &spline, summary, &mut clock);
-    record.warnings.extend(report.warnings);
+    record.warnings.extend(fitted.warnings);
     Ok(RunOutput {
         record,
         spline,
@@ -163,124 +151,12 @@ pub fn evaluate(
     })
 }
 
-/// What a method gave, before it is measured.
-struct Fitted {
-    stored: StoredSpline,
-    options: Value,
-    report: MethodReport,
-}
-
-/// The report of any method.
-struct MethodReport {
-    outcome: Outcome,
-    checks: BTreeMap<String, Value>,
-    warnings: Vec<String>,
-}
-
 /// What a record says beyond its input, spline and times.
 struct Summary {
     outcome: Outcome,
     checks: BTreeMap<String, Value>,
     measured: Measured,
     seed: u64,
-}
-
-fn fit(
-    case: &Case,
-    input: &LoadedInput,
-    data: &FitData,
-    clock: &mut PhaseClock,
-    observer: &mut Observer<'_>,
-) -> Result<Fitted, RunError> {
-    enter("domain", clock, observer);
-    let vertices = input.mesh.vertex_count();
-    let values = VertexData {
-        dimension: data.dimension,
-        values: &data.values,
-    };
-    let mut timed = |progress: &Progress| {
-        if PHASES.contains(&progress.phase) {
-            clock.enter(progress.phase);
-        }
-        observer(progress)
-    };
-    match &case.method {
-        Method::Biharmonic {
-            knots,
-            effort,
-            laplacian,
-        } => {
-            let count = knots.of(vertices).map_err(|source| RunError::Amount {
-                option: "--knots",
-                source,
-            })?;
-            let options = msplines_biharmonic::Options {
-                knots: msplines_biharmonic::KnotChoice::Optimised { count },
-                effort: *effort,
-                laplacian: *laplacian,
-                seed: case.seed,
-            };
-            let fit = msplines_biharmonic::fit(&input.mesh, values, &options, &mut timed)?;
-            let stored = StoredSpline::of_biharmonic(&fit.spline, *laplacian);
-            let report = fit.report;
-            let mut checks = checks("knots", &stored, report.iterations, report.residual);
-            checks.insert("eliminations".to_owned(), json!(report.eliminations));
-            checks.insert("exchanges".to_owned(), json!(report.exchanges[0]));
-            checks.insert("exchanges_kept".to_owned(), json!(report.exchanges[1]));
-            let report = MethodReport {
-                outcome: report.outcome,
-                checks,
-                warnings: report.warnings,
-            };
-            Ok(Fitted {
-                stored,
-                options: json!(options),
-                report,
-            })
-        }
-        Method::LsMesh {
-            controls,
-            selection,
-            constraints,
-        } => {
-            let count = controls.of(vertices).map_err(|source| RunError::Amount {
-                option: "--controls",
-                source,
-            })?;
-            let options = msplines_ls_mesh::Options {
-                controls: msplines_ls_mesh::ControlChoice::Selected { count },
-                selection: *selection,
-                constraints: *constraints,
-            };
-            let fit = msplines_ls_mesh::fit(&input.mesh, values, &options, &mut timed)?;
-            let stored = StoredSpline::of_ls_mesh(&fit.spline, *constraints);
-            let report = fit.report;
-            let checks = checks("controls", &stored, report.iterations, report.residual);
-            let report = MethodReport {
-                outcome: report.outcome,
-                checks,
-                warnings: report.warnings,
-            };
-            Ok(Fitted {
-                stored,
-                options: json!(options),
-                report,
-            })
-        }
-    }
-}
-
-fn checks(
-    name: &str,
-    stored: &StoredSpline,
-    iterations: u32,
-    residual: f64,
-) -> BTreeMap<String, Value> {
-    BTreeMap::from([
-        (name.to_owned(), json!(stored.knots().len())),
-        ("iterations".to_owned(), json!(iterations)),
-        ("residual".to_owned(), json!(residual)),
-    ])
 }
 
 /// Returns the options of the method together with those of the run.
