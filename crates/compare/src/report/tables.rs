@@ -32,8 +32,8 @@ pub fn error_table(item: &ItemReport) -> Table {
         "ratio",
         "tolerance",
         "verdict",
-        "ours before",
-        "against it",
+        "recorded",
+        "regression",
     ];
     let rows = item.rows.iter().map(error_cells).collect();
     Table {
@@ -172,23 +172,15 @@ pub fn notes(item: &ItemReport) -> Vec<String> {
     if !item.notes.trim().is_empty() {
         notes.push(one_line(&item.notes));
     }
-    for report in &item.rows {
-        if !report.row.analysis.trim().is_empty() {
-            notes.push(format!(
-                "{}: {}",
-                report.row.label,
-                one_line(&report.row.analysis)
-            ));
+    for rows in item.rows.chunk_by(|a, b| a.row.analysis == b.row.analysis) {
+        if !rows[0].row.analysis.trim().is_empty() {
+            let labels: Vec<&str> = rows.iter().map(|report| report.row.label.as_str()).collect();
+            notes.push(format!("{}: {}", labels.join("; "), one_line(&rows[0].row.analysis)));
         }
-        let warnings = report
-            .result
-            .record()
-            .map_or(&[][..], |record| &record.warnings);
-        notes.extend(
-            warnings
-                .iter()
-                .map(|w| format!("{}: warning: {w}", report.row.label)),
-        );
+    }
+    for report in &item.rows {
+        let warnings = report.result.record().map_or(&[][..], |record| &record.warnings);
+        notes.extend(warnings.iter().map(|w| format!("{}: warning: {w}", report.row.label)));
     }
     notes
 }
