@@ -107,7 +107,11 @@ impl Task {
             Some(bar) => show_bar(bar, is_new, (phase, done, total, objective)),
             None if is_new || self.said.elapsed() >= PLAIN_INTERVAL => {
                 self.said = Instant::now();
-                let text = plain_line(phase, [self.phase_first, done, total], self.phase_started.elapsed());
+                let text = plain_line(
+                    phase,
+                    [self.phase_first, done, total],
+                    self.phase_started.elapsed(),
+                );
                 self.display.line(&format!("{}: {text}", self.label));
             }
             None => {}

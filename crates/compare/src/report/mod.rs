@@ -42,7 +42,9 @@ pub fn terminal(report: &Report) -> String {
 #[must_use]
 pub fn markdown(report: &Report, paper: &str) -> String {
     let records = report.items.iter().flat_map(|item| &item.rows);
-    let threads = records.filter_map(|row| Some(row.result.record()?.threads)).max();
+    let threads = records
+        .filter_map(|row| Some(row.result.record()?.threads))
+        .max();
     let tool = &report.tool;
     let mut text = format!(
         "# Results: {paper}\n\nWritten by `cargo xtask repro {paper}` (version {}, {}, {} threads). Errors are \

@@ -174,13 +174,27 @@ pub fn notes(item: &ItemReport) -> Vec<String> {
     }
     for rows in item.rows.chunk_by(|a, b| a.row.analysis == b.row.analysis) {
         if !rows[0].row.analysis.trim().is_empty() {
-            let labels: Vec<&str> = rows.iter().map(|report| report.row.label.as_str()).collect();
-            notes.push(format!("{}: {}", labels.join("; "), one_line(&rows[0].row.analysis)));
+            let labels: Vec<&str> = rows
+                .iter()
+                .map(|report| report.row.label.as_str())
+                .collect();
+            notes.push(format!(
+                "{}: {}",
+                labels.join("; "),
+                one_line(&rows[0].row.analysis)
+            ));
         }
     }
     for report in &item.rows {
-        let warnings = report.result.record().map_or(&[][..], |record| &record.warnings);
-        notes.extend(warnings.iter().map(|w| format!("{}: warning: {w}", report.row.label)));
+        let warnings = report
+            .result
+            .record()
+            .map_or(&[][..], |record| &record.warnings);
+        notes.extend(
+            warnings
+                .iter()
+                .map(|w| format!("{}: warning: {w}", report.row.label)),
+        );
     }
     notes
 }
