@@ -84,6 +84,11 @@ fn battery(workbench: &Workbench, path: &Path) {
             with(vec!["fit", "ls-mesh", "--controls", share]),
         ];
         for fit in fits {
+            // On a sound file of many vertices repair changes nothing, and each run takes long.
+            let is_known = size > LARGE && CLEAN.contains(&name.as_str());
+            if is_known && repair == fit.contains(&"biharmonic") {
+                continue;
+            }
             let what = format!("{fit:?} {name}");
             let outputs = ["-o", "o.ply", "--report", "r.json", file.as_str()];
             let ran = workbench.run_on(fit.iter().copied().chain(outputs));

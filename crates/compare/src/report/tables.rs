@@ -4,7 +4,7 @@ use crate::campaign::{ItemReport, RowReport, Times};
 use crate::models::Provenance;
 use crate::verdict::Regression;
 
-use super::figures::{Figure, absence, cost_figures, error_figure};
+use super::figures::{Figure, Unit, absence, cost_figures, error_figure};
 
 /// A table of texts.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -71,7 +71,13 @@ fn error_cells(report: &RowReport) -> Vec<String> {
         verdict(report),
         recorded.map_or(NONE.to_owned(), |recorded| {
             format!(
-                "{:.4} % (+{:.0} %)",
+                "{}{:.4} % (+{:.0} %)",
+                // Decibels are recorded as the mean error behind them.
+                if figure.unit == Unit::Decibel {
+                    "mean "
+                } else {
+                    ""
+                },
                 100.0 * recorded.error,
                 100.0 * recorded.tolerance
             )
