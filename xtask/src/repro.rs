@@ -1,10 +1,112 @@
-//! Reproduces the tables and figures of the papers.
+//! Reproduces the tables and figures of the papers: a thin caller of the comparison harness.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use msplines_compare::campaign::{Campaign, Report};
+use msplines_compare::display::{Display, Verbosity};
+use msplines_compare::report;
+use msplines_compare::row_process::{RowProgram, answer};
+
+use crate::tree::root;
 
 /// Arguments of `cargo xtask repro`.
 #[derive(clap::Args)]
-pub(crate) struct Args {}
+pub(crate) struct Args {
+    /// Only this paper, such as hou2017.
+    paper: Option<String>,
+    /// Only this table or figure of it, such as table1.
+    item: Option<String>,
+    /// Folder of the models; $MSPLINES_MODELS, else data/models, where absent.
+    #[arg(long, value_name = "DIR")]
+    models: Option<PathBuf>,
+    /// Run the long rows too.
+    #[arg(long)]
+    full: bool,
+    /// Folder for finished rows and the report.
+    #[arg(long, value_name = "DIR", default_value = "report")]
+    out: PathBuf,
+    /// Run rows again that an earlier run finished.
+    #[arg(long)]
+    fresh: bool,
+    /// Rows at the same time; with more than one, times are not comparable.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    jobs: usize,
+    /// Write docs/results as well, which --full does when every row ran; not with an item.
+    #[arg(long)]
+    write_docs: bool,
+    /// Run one row in this process: the file that asks and the file for the answer.
+    #[arg(long, hide = true, num_args = 2, value_names = ["REQUEST", "ANSWER"])]
+    row: Option<Vec<PathBuf>>,
+}
 
-/// Runs the reproduction.
-pub(crate) fn run(_args: &Args) -> Result<(), String> {
-    Err("there is no experiment to reproduce yet".to_owned())
+/// Runs the experiments, writes the report and says what is wrong, if anything is.
+pub(crate) fn run(args: &Args) -> Result<(), String> {
+    let process_start = Instant::now();
+    if let Some([asked, answered]) = args.row.as_deref() {
+        return answer(asked, answered, process_start).map_err(|e| e.to_string());
+    }
+    let root = root();
+    let campaign = campaign(args, &root)?;
+    let report = campaign
+        .run(&Display::new(Verbosity::Normal))
+        .map_err(|e| e.to_string())?;
+    print!("{}", report::terminal(&report));
+    let mut written = report::write(&report, &args.out).map_err(|e| e.to_string())?;
+    let is_whole = args.item.is_none();
+    if is_whole && (args.write_docs || args.full && is_complete(&report)) {
+        written.extend(write_docs(&report, &root)?);
+    }
+    for path in written {
+        println!("wrote {}", path.display());
+    }
+    conclude(&report)
+}
+
+fn campaign(args: &Args, root: &Path) -> Result<Campaign, String> {
+    let program = std::env::current_exe().map_err(|e| format!("this program has no path: {e}"))?;
+    let arguments = ["repro", "--row"].map(str::to_owned).to_vec();
+    Ok(Campaign {
+        root: root.to_owned(),
+        paper: args.paper.clone(),
+        item: args.item.clone(),
+        models: args.models.clone(),
+        full: args.full,
+        out: args.out.clone(),
+        fresh: args.fresh,
+        jobs: args.jobs,
+        program: RowProgram { program, arguments },
+    })
+}
+
+/// Returns whether every row ran.
+fn is_complete(report: &Report) -> bool {
+    let mut rows = report.items.iter().flat_map(|item| &item.rows);
+    rows.all(|row| row.result.record().is_some())
+}
+
+fn write_docs(report: &Report, root: &Path) -> Result<Vec<PathBuf>, String> {
+    let mut written = Vec::new();
+    for paper in report::papers(report) {
+        let path = root.join("docs/results").join(format!("{paper}.md"));
+        report::replace(&path, report::markdown(report, &paper).as_bytes())
+            .map_err(|e| format!("{}: {e}", path.display()))?;
+        written.push(path);
+    }
+    Ok(written)
+}
+
+fn conclude(report: &Report) -> Result<(), String> {
+    let failures = report.failures();
+    let rows = report.items.iter().flat_map(|item| &item.rows);
+    let (ran, all) = (
+        rows.clone().filter(|r| r.result.record().is_some()).count(),
+        rows.count(),
+    );
+    println!("{ran} of {all} rows ran, {} failed", failures.len());
+    if failures.is_empty() {
+        Ok(())
+    } else {
+        Err(failures.join("\nerror: "))
+    }
 }

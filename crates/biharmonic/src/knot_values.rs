@@ -7,11 +7,16 @@
 //! [Hou2017] Eq. (11). Deviation: the constraint `(B f)_Z = 0` is eliminated instead of enforced by
 //! Lagrange multipliers, which leaves normal equations of condition below 100.
 
+use std::sync::Arc;
+
 use msplines_common::linalg::{
     CgReport, CgTolerance, Cholesky, Mat, MatRef, Symbolic, SymmetricMatrix, conjugate_gradient,
 };
 
-use crate::{FitError, Space};
+use crate::{Bilaplacian, FitError, Space};
+
+/// From one knot in so many vertices on, a smaller factor is worth an analysis of its own.
+const ANALYSED_ANEW: usize = 5;
 
 /// The splines with one set of knots.
 pub(crate) struct KnotValues<'a> {
@@ -24,13 +29,21 @@ pub(crate) struct KnotValues<'a> {
 impl<'a> KnotValues<'a> {
     /// Factors `B_ZZ` for these knots, which must be ascending and at least one.
     pub(crate) fn factor(space: &'a Space, knots: Vec<u32>) -> Result<Self, FitError> {
-        let (bilaplacian, ordering) = space.bilaplacian()?;
-        let mut is_knot = vec![false; bilaplacian.size()];
+        let Bilaplacian {
+            matrix,
+            ordering,
+            symbolic,
+        } = space.bilaplacian()?;
+        let mut is_knot = vec![false; matrix.size()];
         knots.iter().for_each(|&knot| is_knot[knot as usize] = true);
-        let symbolic = Symbolic::analyze_kept(bilaplacian, ordering, |row| !is_knot[row]);
-        let factor = Cholesky::factor(symbolic, bilaplacian)?;
+        let factor = if knots.len() > matrix.size() / ANALYSED_ANEW {
+            let symbolic = Symbolic::analyze_kept(matrix, ordering, |row| !is_knot[row]);
+            Cholesky::factor(symbolic, matrix)?
+        } else {
+            Cholesky::factor_kept(Arc::clone(symbolic), matrix, |row| !is_knot[row])?
+        };
         Ok(Self {
-            bilaplacian,
+            bilaplacian: matrix,
             knots,
             factor,
         })

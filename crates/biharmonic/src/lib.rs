@@ -34,6 +34,6 @@ pub use error::FitError;
 pub use fit::{Fit, Report, fit};
 pub use interpolate::interpolate;
 pub use options::{Effort, KnotChoice, Laplacian, Options};
-pub use space::Space;
+pub use space::{Bilaplacian, Space};
 pub use spline::{BiharmonicSpline, PartsError};
 pub use subdivision::Extension;

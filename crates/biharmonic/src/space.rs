@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use msplines_common::linalg::{Mat, Ordering, SymmetricMatrix};
+use msplines_common::linalg::{Mat, Ordering, Symbolic, SymmetricMatrix};
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::operators::intrinsic::intrinsic_delaunay;
 use msplines_common::operators::{Operators, Poisson, assemble, mesh_operators};
@@ -18,8 +18,19 @@ pub struct Space {
     mesh: Arc<TriangleMesh>,
     laplacian: Laplacian,
     operators: Operators,
-    bilaplacian: OnceLock<(SymmetricMatrix, Ordering)>,
+    bilaplacian: OnceLock<Bilaplacian>,
     poisson: OnceLock<Poisson>,
+}
+
+/// The bi-Laplacian of a mesh, and what the factorisations of all its submatrices share.
+#[derive(Debug)]
+pub struct Bilaplacian {
+    /// `B = L A⁻¹ L`.
+    pub matrix: SymmetricMatrix,
+    /// A fill-reducing elimination order.
+    pub ordering: Ordering,
+    /// The analysis of the whole matrix.
+    pub symbolic: Arc<Symbolic>,
 }
 
 impl Space {
@@ -60,17 +71,22 @@ impl Space {
         &self.operators
     }
 
-    /// Returns `B = L A⁻¹ L` and its elimination order.
+    /// Returns `B = L A⁻¹ L` and what its factorisations share.
     ///
     /// # Errors
     /// A mesh too large to be ordered.
-    pub fn bilaplacian(&self) -> Result<&(SymmetricMatrix, Ordering), FitError> {
+    pub fn bilaplacian(&self) -> Result<&Bilaplacian, FitError> {
         if let Some(ready) = self.bilaplacian.get() {
             return Ok(ready);
         }
         let matrix = self.operators.bilaplacian();
         let ordering = Ordering::nested_dissection(&matrix)?;
-        Ok(self.bilaplacian.get_or_init(|| (matrix, ordering)))
+        let symbolic = Arc::new(Symbolic::analyze(&matrix, &ordering));
+        Ok(self.bilaplacian.get_or_init(|| Bilaplacian {
+            matrix,
+            ordering,
+            symbolic,
+        }))
     }
 
     /// Returns the factored Laplacian.

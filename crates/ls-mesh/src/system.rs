@@ -11,6 +11,8 @@
 //! With `A` factored, the columns `E` of newer controls and `1 / w² = 0` for hard ones, the forces
 //! `c` of `x = x_A + A⁻¹ E c` solve `(I / w² + Eᵀ A⁻¹ E) c = v_E - Eᵀ x_A`.
 
+use std::sync::Arc;
+
 use msplines_common::linalg::{Cholesky, FactorError, Mat, MatRef, Symbolic};
 
 use crate::error::FitError;
@@ -237,8 +239,11 @@ impl<'a> System<'a> {
                 let shift: Vec<f64> = self.is_control.iter().map(shift).collect();
                 let matrix = self.space.normal().plus_diagonal(&shift);
                 let symbolic = match last {
-                    Some(factor) => factor.into_symbolic(),
-                    None => Symbolic::analyze(self.space.normal(), self.space.ordering()),
+                    Some(factor) => factor.shared_symbolic(),
+                    None => Arc::new(Symbolic::analyze(
+                        self.space.normal(),
+                        self.space.ordering(),
+                    )),
                 };
                 Some(Cholesky::factor(symbolic, &matrix)?)
             }

@@ -39,7 +39,7 @@ fn knot_value_fit_equals_the_orthogonal_projection() {
     for mesh in [zoo::closed(), zoo::with_boundary()] {
         let (space, data) = (space(&mesh), centred(&mesh));
         let knots = spread_knots(mesh.vertex_count(), 60);
-        let b = dense(&space.bilaplacian().unwrap().0);
+        let b = dense(&space.bilaplacian().unwrap().matrix);
         let free: Vec<usize> = (0..b.nrows())
             .filter(|v| knots.binary_search(&(*v as u32)).is_err())
             .collect();

@@ -6,6 +6,8 @@
 //! # Reference
 //! [Duff1983]; [Liu1990].
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::etree::ROOT;
@@ -35,8 +37,10 @@ pub enum FactorError {
 /// A Cholesky factorisation of a principal submatrix of a [`SymmetricMatrix`].
 #[derive(Clone, Debug)]
 pub struct Cholesky {
-    pub(super) symbolic: Symbolic,
+    pub(super) symbolic: Arc<Symbolic>,
     pub(super) values: Vec<f64>,
+    /// Columns, in elimination order, that are left out although they were analysed.
+    pub(super) left_out: Vec<bool>,
     entry_count: usize,
 }
 
@@ -45,11 +49,37 @@ impl Cholesky {
     ///
     /// # Errors
     /// A matrix that is not positive definite, or of another pattern.
-    pub fn factor(symbolic: Symbolic, matrix: &SymmetricMatrix) -> Result<Self, FactorError> {
+    pub fn factor(
+        symbolic: impl Into<Arc<Symbolic>>,
+        matrix: &SymmetricMatrix,
+    ) -> Result<Self, FactorError> {
+        Self::factor_kept(symbolic, matrix, |_| true)
+    }
+
+    /// Factors the principal submatrix of the rows for which `keep` holds with the analysis of a
+    /// larger one.
+    ///
+    /// This saves the analysis when few rows are left out. Where they are many, it is better to
+    /// analyse the submatrix ([`Symbolic::analyze_kept`]), whose factor is smaller.
+    ///
+    /// # Errors
+    /// A submatrix that is not positive definite, or a matrix of another pattern.
+    pub fn factor_kept(
+        symbolic: impl Into<Arc<Symbolic>>,
+        matrix: &SymmetricMatrix,
+        keep: impl Fn(usize) -> bool,
+    ) -> Result<Self, FactorError> {
+        let symbolic = symbolic.into();
         let values = vec![0.0; symbolic.value_count()];
+        let left_out = symbolic
+            .order
+            .iter()
+            .map(|&row| !keep(row as usize))
+            .collect();
         let mut factor = Self {
             symbolic,
             values,
+            left_out,
             entry_count: matrix.entry_count(),
         };
         factor.refactor(matrix)?;
@@ -74,6 +104,7 @@ impl Cholesky {
         let task = Task {
             symbolic,
             matrix: matrix.values(),
+            left_out: &self.left_out,
         };
         task.branches(&roots, &mut self.values)
             .map(drop)
@@ -84,8 +115,8 @@ impl Cholesky {
 
     /// Returns the symbolic factorisation, to be used again.
     #[must_use]
-    pub fn into_symbolic(self) -> Symbolic {
-        self.symbolic
+    pub fn shared_symbolic(&self) -> Arc<Symbolic> {
+        Arc::clone(&self.symbolic)
     }
 
     /// Returns what the pattern alone decided.
@@ -102,6 +133,7 @@ type Update = Vec<f64>;
 struct Task<'a> {
     symbolic: &'a Symbolic,
     matrix: &'a [f64],
+    left_out: &'a [bool],
 }
 
 impl Task<'_> {
@@ -177,6 +209,7 @@ impl Task<'_> {
         for entry in self.symbolic.entries(node) {
             panel[entry.target as usize] = self.matrix[entry.source as usize];
         }
+        self.decouple(node, panel, columns);
         let mut update = vec![0.0; below * below];
         for (child, child_update) in updates {
             let places = self.symbolic.places(child);
@@ -185,6 +218,29 @@ impl Task<'_> {
         factor_front(panel, columns, &mut update)
             .map_err(|column| self.symbolic.columns(node).start + column)?;
         Ok(update)
+    }
+
+    /// Turns the rows and columns that are left out into those of the identity.
+    ///
+    /// Updates of children are zero there, because their rows were cleared in the same way.
+    fn decouple(self, node: usize, panel: &mut [f64], columns: usize) {
+        let height = panel.len() / columns;
+        let own = self.symbolic.columns(node);
+        let below = self.symbolic.rows(node).iter().map(|&row| row as usize);
+        for (place, row) in own.chain(below).enumerate() {
+            if !self.left_out[row] {
+                continue;
+            }
+            panel
+                .iter_mut()
+                .skip(place)
+                .step_by(height)
+                .for_each(|value| *value = 0.0);
+            if place < columns {
+                panel[place * height..(place + 1) * height].fill(0.0);
+                panel[place * height + place] = 1.0;
+            }
+        }
     }
 }
 

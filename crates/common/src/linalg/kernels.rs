@@ -159,20 +159,44 @@ impl pulp::NullaryFnOnce for Forward<'_> {
         let columns = self.x.nrows();
         let height = self.panel.len() / columns;
         self.below.fill(0.0);
-        for column in 0..columns {
-            let entries = &self.panel[column * height + column..(column + 1) * height];
-            let (top, bottom) = entries.split_at(columns - column);
+        for first in (0..columns).step_by(BLOCK) {
+            let width = BLOCK.min(columns - first);
+            let at = |i: usize| &self.panel[(first + i) * height..(first + i + 1) * height];
+            let next = first + width;
             for side in 0..self.x.ncols() {
                 let x = column_mut(self.x.rb_mut(), side);
-                let value = x[column] / top[0];
-                x[column] = value;
-                subtract_multiple(&mut x[column + 1..], value, &top[1..]);
                 let below = column_mut(self.below.rb_mut(), side);
-                for (sum, entry) in below.iter_mut().zip(bottom) {
-                    *sum += value * entry;
+                for i in 0..width {
+                    let (column, here) = (at(i), first + i);
+                    let value = x[here] / column[here];
+                    x[here] = value;
+                    subtract_multiple(&mut x[here + 1..next], value, &column[here + 1..next]);
+                }
+                if width == BLOCK {
+                    let factors: [f64; BLOCK] = std::array::from_fn(|i| x[first + i]);
+                    let rest = std::array::from_fn(|i| &at(i)[next..columns]);
+                    add_multiples(&mut x[next..], factors.map(|f| -f), rest);
+                    add_multiples(below, factors, std::array::from_fn(|i| &at(i)[columns..]));
+                } else {
+                    for i in 0..width {
+                        subtract_multiple(below, -x[first + i], &at(i)[columns..]);
+                    }
                 }
             }
         }
+    }
+}
+
+/// Columns of a panel that one pass over a right-hand side serves.
+const BLOCK: usize = 4;
+
+#[inline(always)]
+fn add_multiples(target: &mut [f64], factors: [f64; BLOCK], sources: [&[f64]; BLOCK]) {
+    let length = target.len();
+    let sources = sources.map(|source| &source[..length]);
+    for (row, value) in target.iter_mut().enumerate() {
+        *value += (factors[0] * sources[0][row] + factors[1] * sources[1][row])
+            + (factors[2] * sources[2][row] + factors[3] * sources[3][row]);
     }
 }
 
@@ -210,17 +234,51 @@ impl pulp::NullaryFnOnce for Backward<'_> {
     fn call(mut self) {
         let columns = self.x.nrows();
         let height = self.panel.len() / columns;
-        for column in (0..columns).rev() {
-            let entries = &self.panel[column * height + column..(column + 1) * height];
-            let (top, bottom) = entries.split_at(columns - column);
+        for first in (0..columns).step_by(BLOCK).rev() {
+            let width = BLOCK.min(columns - first);
+            let at = |i: usize| &self.panel[(first + i) * height..(first + i + 1) * height];
+            let next = first + width;
             for side in 0..self.x.ncols() {
-                let below = dense::column(self.below, side);
                 let x = column_mut(self.x.rb_mut(), side);
-                let sum = dot(&top[1..], &x[column + 1..]) + dot(bottom, below);
-                x[column] = (x[column] - sum) / top[0];
+                let below = dense::column(self.below, side);
+                if width == BLOCK {
+                    let rest = dots(std::array::from_fn(|i| &at(i)[next..columns]), &x[next..]);
+                    let bottom = dots(std::array::from_fn(|i| &at(i)[columns..]), below);
+                    (0..BLOCK).for_each(|i| x[first + i] -= rest[i] + bottom[i]);
+                } else {
+                    for i in 0..width {
+                        let rest = dot(&at(i)[next..columns], &x[next..]);
+                        x[first + i] -= rest + dot(&at(i)[columns..], below);
+                    }
+                }
+                for i in (0..width).rev() {
+                    let (column, here) = (at(i), first + i);
+                    let later = dot(&column[here + 1..next], &x[here + 1..next]);
+                    x[here] = (x[here] - later) / column[here];
+                }
             }
         }
     }
+}
+
+/// Returns four scalar products with the same vector, each summed in four lanes.
+#[inline(always)]
+fn dots(columns: [&[f64]; BLOCK], vector: &[f64]) -> [f64; BLOCK] {
+    const LANES: usize = 4;
+    let mut lanes = [[0.0f64; LANES]; BLOCK];
+    let whole = vector.len() / LANES * LANES;
+    let columns = columns.map(|column| &column[..vector.len()]);
+    for start in (0..whole).step_by(LANES) {
+        for (sums, column) in lanes.iter_mut().zip(columns) {
+            for lane in 0..LANES {
+                sums[lane] += column[start + lane] * vector[start + lane];
+            }
+        }
+    }
+    std::array::from_fn(|i| {
+        let rest = dot(&columns[i][whole..], &vector[whole..]);
+        (lanes[i][0] + lanes[i][2]) + (lanes[i][1] + lanes[i][3]) + rest
+    })
 }
 
 /// Returns the scalar product, summed in eight lanes whatever the machine.

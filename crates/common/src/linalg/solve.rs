@@ -34,7 +34,11 @@ impl Cholesky {
                 let first = pass * SIDES_PER_PASS;
                 let width = SIDES_PER_PASS.min(sides - first);
                 let mut y = Mat::from_fn(order.len(), width, |k, side| {
-                    x[(order[k] as usize, first + side)]
+                    if self.left_out[k] {
+                        0.0
+                    } else {
+                        x[(order[k] as usize, first + side)]
+                    }
                 });
                 self.solve_ordered(y.as_mut());
                 y
@@ -42,7 +46,7 @@ impl Cholesky {
             .collect();
         for (pass, y) in solved.iter().enumerate() {
             for side in 0..y.ncols() {
-                for (k, &row) in order.iter().enumerate() {
+                for (k, &row) in order.iter().enumerate().filter(|k| !self.left_out[k.0]) {
                     x[(row as usize, pass * SIDES_PER_PASS + side)] = y[(k, side)];
                 }
             }

@@ -1,0 +1,189 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use msplines_compare::case::Amount;
+
+/// Splines on triangle meshes of any shape.
+///
+/// Exit codes: 0 a result, 2 the command cannot be meant so, 3 the input is refused, 4 the method
+/// cannot take this input, 5 stopped early with the result so far written.
+#[derive(Debug, Parser)]
+#[command(name = "msplines", version, about)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+/// What every subcommand takes.
+#[derive(Debug, Args)]
+pub(crate) struct Common {
+    /// Threads; all cores where absent. Results do not depend on it.
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) threads: Option<u32>,
+    /// Seed of everything random.
+    #[arg(long, global = true, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Say nothing but errors.
+    #[arg(long, global = true)]
+    pub(crate) quiet: bool,
+    /// Mend defects of the mesh and say what was done, instead of refusing it.
+    #[arg(long, global = true)]
+    pub(crate) repair: bool,
+    /// Seconds after which the best result so far is written.
+    #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) time_limit: Option<f64>,
+    /// File for the record of the run, as JSON.
+    #[arg(long, global = true, value_name = "RUN.json")]
+    pub(crate) report: Option<PathBuf>,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Say what a mesh file holds and list its defects.
+    Info(Info),
+    /// Fit a spline to a mesh.
+    Fit {
+        #[command(subcommand)]
+        method: Fit,
+    },
+    /// Evaluate a spline file.
+    Evaluate(Evaluate),
+}
+
+/// `msplines info`.
+#[derive(Debug, Args)]
+pub(crate) struct Info {
+    /// Mesh file: OBJ, OFF, PLY or STL.
+    pub(crate) input: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `msplines fit`.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Fit {
+    /// A biharmonic B-spline with optimised knots.
+    Biharmonic(Biharmonic),
+    /// A least-squares mesh.
+    LsMesh(LsMesh),
+}
+
+/// What every fit takes.
+#[derive(Debug, Args)]
+pub(crate) struct FitFiles {
+    /// Mesh file: OBJ, OFF, PLY or STL.
+    pub(crate) input: PathBuf,
+    /// File to write, more than one by repeating: .ply, .vtu, .glb or .obj for the surface, .json
+    /// for the spline.
+    #[arg(short, long = "output", value_name = "OUT")]
+    pub(crate) outputs: Vec<PathBuf>,
+    /// Fit these vertex attributes instead of the positions, such as red,green,blue.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub(crate) attributes: Vec<String>,
+    /// Measure the two-sided distance between the surfaces as well; takes a few seconds.
+    #[arg(long)]
+    pub(crate) distance: bool,
+    /// Write only the digest of the mesh file into a .json, not the mesh.
+    #[arg(long)]
+    pub(crate) domain_by_digest: bool,
+}
+
+/// `msplines fit biharmonic`.
+#[derive(Debug, Args)]
+pub(crate) struct Biharmonic {
+    #[command(flatten)]
+    pub(crate) files: FitFiles,
+    /// Number of knots, or percentage of the vertices: 1500 or 3%.
+    #[arg(long, value_name = "N|P%")]
+    pub(crate) knots: Amount,
+    /// How long knots are optimised.
+    #[arg(long, value_enum, default_value_t = Effort::Standard)]
+    pub(crate) effort: Effort,
+    /// Use the Laplacian of the intrinsic Delaunay triangulation: slower, for badly shaped
+    /// triangles.
+    #[arg(long)]
+    pub(crate) intrinsic_delaunay: bool,
+}
+
+/// How long knots are optimised.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Effort {
+    /// Elimination only.
+    Fast,
+    /// Elimination and a few exchanges.
+    Standard,
+    /// More, smaller rounds.
+    Best,
+}
+
+/// `msplines fit ls-mesh`.
+#[derive(Debug, Args)]
+pub(crate) struct LsMesh {
+    #[command(flatten)]
+    pub(crate) files: FitFiles,
+    /// Number of control vertices, or percentage of the vertices: 1500 or 3%.
+    #[arg(long, value_name = "N|P%")]
+    pub(crate) controls: Amount,
+    /// Solves of the selection, each of which adds as many of the local error maxima; with as many
+    /// as controls it is the greedy selection.
+    #[arg(long, value_name = "N", conflicts_with = "greedy", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) solves: Option<u32>,
+    /// Choose one control vertex per solve, at the largest error.
+    #[arg(long)]
+    pub(crate) greedy: bool,
+    /// Weight of the control vertices.
+    #[arg(long, value_name = "W", conflicts_with = "hard", value_parser = positive)]
+    pub(crate) weight: Option<f64>,
+    /// Interpolate the control vertices exactly.
+    #[arg(long)]
+    pub(crate) hard: bool,
+}
+
+/// `msplines evaluate`.
+#[derive(Debug, Args)]
+pub(crate) struct Evaluate {
+    /// Spline file that `msplines fit -o FILE.json` wrote.
+    pub(crate) spline: PathBuf,
+    /// The mesh that was fitted, where the spline file holds only its digest.
+    #[arg(long, value_name = "INPUT")]
+    pub(crate) mesh: Option<PathBuf>,
+    /// Rounds of midpoint subdivision at whose vertices the spline is evaluated.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=8))]
+    pub(crate) subdivide: u32,
+    /// File to write, more than one by repeating: .ply, .vtu, .glb or .obj for the surface, .json
+    /// for the spline.
+    #[arg(short, long = "output", value_name = "OUT", required = true)]
+    pub(crate) outputs: Vec<PathBuf>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("give a positive number".to_owned()),
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..1e9).contains(&value) => Ok(value),
+        _ => Err("give a number of seconds".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::Arguments;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+}

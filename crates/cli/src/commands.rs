@@ -1,0 +1,99 @@
+//! `msplines fit` and `msplines evaluate`: thin callers of the harness.
+
+use msplines_biharmonic::Laplacian;
+use msplines_compare::case::{Case, Data, DomainStorage, Input, Method};
+use msplines_compare::input::file_name;
+use msplines_compare::run::{self, Evaluation};
+use msplines_ls_mesh::{Constraints, Selection};
+
+use crate::arguments::{Effort, Evaluate, Fit, FitFiles};
+use crate::session::{Failure, Session};
+
+/// Fits a spline.
+pub(crate) fn fit(fit: &Fit, session: &Session) -> Result<u8, Failure> {
+    let (files, method) = match fit {
+        Fit::Biharmonic(arguments) => (&arguments.files, biharmonic(arguments)),
+        Fit::LsMesh(arguments) => (&arguments.files, ls_mesh(arguments)),
+    };
+    let case = case(files, method, session);
+    let label = format!("{} {}", case.method.name(), file_name(&files.input));
+    session.observe(&label, |observer| {
+        run::run(&case, session.process_start, observer)
+    })
+}
+
+/// Evaluates a spline file.
+pub(crate) fn evaluate(evaluate: &Evaluate, session: &Session) -> Result<u8, Failure> {
+    let evaluation = Evaluation {
+        spline: evaluate.spline.clone(),
+        mesh: evaluate.mesh.clone(),
+        subdivide: evaluate.subdivide,
+        outputs: evaluate.outputs.clone(),
+        seed: session.seed,
+    };
+    let label = format!("evaluate {}", file_name(&evaluate.spline));
+    session.observe(&label, |observer| {
+        run::evaluate(&evaluation, session.process_start, observer)
+    })
+}
+
+fn case(files: &FitFiles, method: Method, session: &Session) -> Case {
+    let input = Input::File {
+        path: files.input.clone(),
+        repair: session.repair,
+    };
+    let data = match files.attributes.as_slice() {
+        [] => Data::Positions,
+        names => Data::Attributes(names.to_vec()),
+    };
+    let domain = if files.domain_by_digest {
+        DomainStorage::Digest
+    } else {
+        DomainStorage::Embedded
+    };
+    let outputs = files.outputs.clone();
+    let measure_distance = files.distance;
+    Case {
+        data,
+        domain,
+        outputs,
+        measure_distance,
+        seed: session.seed,
+        ..Case::new(input, method)
+    }
+}
+
+fn biharmonic(arguments: &crate::arguments::Biharmonic) -> Method {
+    Method::Biharmonic {
+        knots: arguments.knots,
+        effort: match arguments.effort {
+            Effort::Fast => msplines_biharmonic::Effort::Fast,
+            Effort::Standard => msplines_biharmonic::Effort::Standard,
+            Effort::Best => msplines_biharmonic::Effort::Best,
+        },
+        laplacian: if arguments.intrinsic_delaunay {
+            Laplacian::IntrinsicDelaunay
+        } else {
+            Laplacian::Cotangent
+        },
+    }
+}
+
+fn ls_mesh(arguments: &crate::arguments::LsMesh) -> Method {
+    let defaults = msplines_ls_mesh::Options::default();
+    Method::LsMesh {
+        controls: arguments.controls,
+        selection: match (arguments.greedy, arguments.solves) {
+            (true, _) => Selection::Greedy,
+            (false, Some(solves)) => Selection::Combined {
+                solves: solves as usize,
+            },
+            (false, None) => defaults.selection,
+        },
+        constraints: match (arguments.hard, arguments.weight) {
+            (true, _) => Constraints::Hard,
+            (false, Some(weight)) => Constraints::Soft { weight },
+            (false, None) => defaults.constraints,
+        },
+    }
+}

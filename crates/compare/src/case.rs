@@ -1,0 +1,292 @@
+//! What one run is asked to do, as plain data.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use crate::generated::GeneratedSurface;
+
+/// One run: an input, the data on it, a method with its options, and what to write.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// The domain mesh.
+    pub input: Input,
+    /// The data to fit at its vertices.
+    pub data: Data,
+    /// The method and its options.
+    pub method: Method,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Rounds of midpoint subdivision at whose vertices the spline is evaluated; 0 for the input
+    /// vertices.
+    pub subdivide: u32,
+    /// Whether the two-sided distance between the surfaces is measured as well.
+    pub measure_distance: bool,
+    /// Files to write: surfaces (`.ply`, `.obj`, `.vtu`, `.glb`) and splines (`.json`).
+    pub outputs: Vec<PathBuf>,
+    /// How a spline file names its domain.
+    pub domain: DomainStorage,
+}
+
+impl Case {
+    /// Returns the case that fits the positions of `input` and writes nothing.
+    #[must_use]
+    pub fn new(input: Input, method: Method) -> Self {
+        Self {
+            input,
+            data: Data::Positions,
+            method,
+            seed: 0,
+            subdivide: 0,
+            measure_distance: false,
+            outputs: Vec::new(),
+            domain: DomainStorage::Embedded,
+        }
+    }
+}
+
+/// Where the domain mesh comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Input {
+    /// A mesh file.
+    File {
+        /// Where it is.
+        path: PathBuf,
+        /// Whether defects are mended (and reported) instead of refused.
+        repair: bool,
+    },
+    /// A surface made from a formula.
+    Surface(GeneratedSurface),
+}
+
+/// What is fitted at the vertices.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Data {
+    /// The vertex positions.
+    Positions,
+    /// These per-vertex attributes of the file, in this order.
+    Attributes(Vec<String>),
+    /// A picture-like colour of every point: see [`crate::generated::colour_pattern`].
+    ColourPattern,
+}
+
+/// How a spline file names its domain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DomainStorage {
+    /// The mesh is in the file.
+    Embedded,
+    /// The file holds the digest of the mesh file only.
+    Digest,
+}
+
+/// A method with its options.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Method {
+    /// Biharmonic B-spline.
+    Biharmonic {
+        /// Number of knots.
+        knots: Amount,
+        /// How long knots are optimised.
+        effort: msplines_biharmonic::Effort,
+        /// Discrete Laplacian.
+        laplacian: msplines_biharmonic::Laplacian,
+    },
+    /// Least-squares mesh.
+    LsMesh {
+        /// Number of control vertices.
+        controls: Amount,
+        /// How they are chosen.
+        selection: msplines_ls_mesh::Selection,
+        /// How they bind.
+        constraints: msplines_ls_mesh::Constraints,
+    },
+}
+
+impl Method {
+    /// Returns the biharmonic B-spline of `knots` knots with default options.
+    #[must_use]
+    pub fn biharmonic(knots: Amount) -> Self {
+        let msplines_biharmonic::Options {
+            effort, laplacian, ..
+        } = Default::default();
+        Self::Biharmonic {
+            knots,
+            effort,
+            laplacian,
+        }
+    }
+
+    /// Returns the least-squares mesh of `controls` control vertices with default options.
+    #[must_use]
+    pub fn ls_mesh(controls: Amount) -> Self {
+        let msplines_ls_mesh::Options {
+            selection,
+            constraints,
+            ..
+        } = Default::default();
+        Self::LsMesh {
+            controls,
+            selection,
+            constraints,
+        }
+    }
+
+    /// Returns the name of the method in records and files.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Biharmonic { .. } => "biharmonic",
+            Self::LsMesh { .. } => "ls-mesh",
+        }
+    }
+}
+
+/// A number of vertices, or a fraction of them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Amount {
+    /// So many vertices.
+    Count(usize),
+    /// This fraction of the vertices, rounded to the nearest count; at least one unless it is zero.
+    Fraction(f64),
+}
+
+/// Why an amount makes no sense.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AmountError {
+    /// Neither `1500` nor `3%`.
+    #[error("`{text}` is neither a count such as 1500 nor a percentage such as 3%")]
+    Unreadable {
+        /// What was given.
+        text: String,
+    },
+    /// Nothing at all.
+    #[error("{asked} of {vertices} vertices is none; ask for at least one")]
+    Zero {
+        /// What was given.
+        asked: Amount,
+        /// Vertices of the mesh.
+        vertices: usize,
+    },
+    /// More than there are.
+    #[error(
+        "{asked} is more than the {vertices} vertices of the mesh; ask for at most {vertices} or 100%"
+    )]
+    TooMany {
+        /// What was given.
+        asked: Amount,
+        /// Vertices of the mesh.
+        vertices: usize,
+    },
+}
+
+impl Amount {
+    /// Returns the count this amount stands for on a mesh of `vertices` vertices.
+    ///
+    /// # Errors
+    /// A count of zero, or more than there are vertices.
+    pub fn of(self, vertices: usize) -> Result<usize, AmountError> {
+        let count = match self {
+            Self::Count(count) => count,
+            Self::Fraction(fraction) if fraction > 1.0 => usize::MAX,
+            Self::Fraction(fraction) if fraction > 0.0 => {
+                ((fraction * vertices as f64).round() as usize).max(1)
+            }
+            Self::Fraction(_) => 0,
+        };
+        match count {
+            0 => Err(AmountError::Zero {
+                asked: self,
+                vertices,
+            }),
+            _ if count > vertices => Err(AmountError::TooMany {
+                asked: self,
+                vertices,
+            }),
+            _ => Ok(count),
+        }
+    }
+}
+
+impl fmt::Display for Amount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count(count) => write!(f, "{count}"),
+            Self::Fraction(fraction) => write!(f, "{}%", (fraction * 1e8).round() / 1e6),
+        }
+    }
+}
+
+impl FromStr for Amount {
+    type Err = AmountError;
+
+    fn from_str(text: &str) -> Result<Self, AmountError> {
+        let unreadable = || AmountError::Unreadable {
+            text: text.to_owned(),
+        };
+        let Some(percent) = text.trim().strip_suffix('%') else {
+            return text
+                .trim()
+                .parse()
+                .map(Self::Count)
+                .map_err(|_| unreadable());
+        };
+        let percent: f64 = percent.trim().parse().map_err(|_| unreadable())?;
+        if !percent.is_finite() || percent < 0.0 {
+            return Err(unreadable());
+        }
+        Ok(Self::Fraction(percent / 100.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amounts_are_read_as_counts_or_percentages() {
+        assert_eq!("1500".parse(), Ok(Amount::Count(1500)));
+        assert_eq!("3%".parse(), Ok(Amount::Fraction(0.03)));
+        assert_eq!("0.5 %".parse(), Ok(Amount::Fraction(0.005)));
+        for text in ["", "%", "-3%", "nan%", "3.5", "-1", "many"] {
+            assert!(text.parse::<Amount>().is_err(), "{text} must be refused");
+        }
+    }
+
+    #[test]
+    fn amounts_stay_between_one_and_all_vertices() {
+        assert_eq!(Amount::Fraction(0.03).of(10_044), Ok(301));
+        assert_eq!(Amount::Fraction(1.0).of(7), Ok(7));
+        assert_eq!(Amount::Fraction(0.001).of(7), Ok(1));
+        assert_eq!(Amount::Count(7).of(7), Ok(7));
+        for bad in [Amount::Count(0), Amount::Fraction(0.0)] {
+            assert!(matches!(bad.of(7), Err(AmountError::Zero { .. })));
+        }
+        for bad in [
+            Amount::Count(8),
+            Amount::Fraction(1.01),
+            Amount::Fraction(1e300),
+        ] {
+            assert!(matches!(bad.of(7), Err(AmountError::TooMany { .. })));
+        }
+    }
+
+    #[test]
+    fn a_refused_amount_says_what_to_ask_for() {
+        let error = Amount::Count(8).of(7).expect_err("too many").to_string();
+        assert_eq!(
+            error,
+            "8 is more than the 7 vertices of the mesh; ask for at most 7 or 100%"
+        );
+        let error = Amount::Fraction(0.0).of(7).expect_err("none").to_string();
+        assert_eq!(error, "0% of 7 vertices is none; ask for at least one");
+    }
+}

@@ -1,0 +1,203 @@
+//! Why a run gives no result, and which exit code says so.
+
+use std::path::PathBuf;
+
+use msplines_common::evaluate::EvaluateError;
+use msplines_common::mesh::TopologyError;
+
+use crate::case::AmountError;
+
+/// The exit codes of the program.
+pub mod exit {
+    /// A result: converged, stalled or out of iterations.
+    pub const SUCCESS: u8 = 0;
+    /// The command cannot be meant so.
+    pub const USAGE: u8 = 2;
+    /// The input is refused.
+    pub const INPUT: u8 = 3;
+    /// The method cannot take this input.
+    pub const METHOD: u8 = 4;
+    /// Stopped early; the result so far is written and marked.
+    pub const STOPPED: u8 = 5;
+}
+
+/// Why a run gives no result.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// A number of knots that the mesh does not allow.
+    #[error("{option}: {source}")]
+    Amount {
+        /// The option that gave it.
+        option: &'static str,
+        /// What is wrong with it.
+        source: AmountError,
+    },
+    /// An output whose format is unknown.
+    #[error("{}: the extension is none of .ply, .obj, .vtu, .glb, .json; give one of them", path.display())]
+    UnknownOutput {
+        /// The output.
+        path: PathBuf,
+    },
+    /// An output that could not be written.
+    #[error("cannot write {}: {reason}", path.display())]
+    Write {
+        /// The output.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// A file that cannot be opened, parsed or accepted.
+    #[error("{file}: {reason}")]
+    Input {
+        /// The file.
+        file: String,
+        /// What is wrong, with place and remedy.
+        reason: String,
+    },
+    /// An attribute that the file does not have.
+    #[error("{file} has no vertex attribute `{name}`; it has: {available}")]
+    NoSuchAttribute {
+        /// The file.
+        file: String,
+        /// The attribute asked for.
+        name: String,
+        /// Those it has.
+        available: String,
+    },
+    /// The biharmonic fit failed.
+    #[error("biharmonic: {0}")]
+    Biharmonic(#[from] msplines_biharmonic::FitError),
+    /// The least-squares mesh failed.
+    #[error("ls-mesh: {0}")]
+    LsMesh(#[from] msplines_ls_mesh::FitError),
+    /// The fitted or stored spline could not be evaluated.
+    #[error(transparent)]
+    Spline(#[from] SplineFileError),
+    /// The distance between the surfaces cannot be measured.
+    #[error("--distance: {0}")]
+    Distance(#[from] msplines_common::metrics::DistanceError),
+    /// The spline is not finite everywhere.
+    #[error(
+        "the spline is not finite at vertex {vertex}: the mesh is too badly shaped for this Laplacian; try --intrinsic-delaunay"
+    )]
+    NotFinite {
+        /// The first such vertex.
+        vertex: usize,
+    },
+}
+
+impl RunError {
+    /// Returns the exit code that stands for this error.
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Amount { .. } | Self::UnknownOutput { .. } | Self::Write { .. } => exit::USAGE,
+            Self::Input { .. } | Self::NoSuchAttribute { .. } => exit::INPUT,
+            Self::Spline(error) => error.exit_code(),
+            Self::Biharmonic(_) | Self::LsMesh(_) | Self::Distance(_) | Self::NotFinite { .. } => {
+                exit::METHOD
+            }
+        }
+    }
+}
+
+/// Why a stored spline cannot be read or evaluated.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SplineFileError {
+    /// The file cannot be read.
+    #[error("{}: {source}; give a file that `msplines fit -o FILE.json` wrote", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Not JSON, or not the fields of a spline.
+    #[error("not a spline file: {0}; give a file that `msplines fit -o FILE.json` wrote")]
+    Json(#[from] serde_json::Error),
+    /// JSON of another kind.
+    #[error(
+        "this is `{found}`, not `msplines.spline/1`; give a file that `msplines fit -o FILE.json` wrote"
+    )]
+    WrongSchema {
+        /// The schema it states.
+        found: String,
+    },
+    /// Numbers of coefficients that do not belong together.
+    #[error(
+        "the spline file lists {knots} knots of {dimension} components but {values} values; it is damaged, fit again"
+    )]
+    WrongLength {
+        /// Knots or control vertices.
+        knots: usize,
+        /// Components of a value.
+        dimension: usize,
+        /// Coefficients or control values.
+        values: usize,
+    },
+    /// A knot that the domain does not have.
+    #[error(
+        "the spline file names vertex {vertex}, but its domain has {vertices} vertices; give the mesh that was fitted"
+    )]
+    NoSuchVertex {
+        /// The vertex.
+        vertex: u32,
+        /// Vertices of the domain.
+        vertices: usize,
+    },
+    /// A number that is not finite.
+    #[error("{what} {index} of the spline file is not finite; it is damaged, fit again")]
+    NotFinite {
+        /// Which numbers.
+        what: &'static str,
+        /// Index of the first.
+        index: usize,
+    },
+    /// The embedded domain is not a manifold.
+    #[error("the domain of the spline file: {0}; the file is damaged, fit again")]
+    Domain(#[from] TopologyError),
+    /// The domain is another file.
+    #[error(
+        "the spline belongs to a mesh file with SHA-256 {expected}, but this one has {found}; give the mesh that was fitted with --mesh"
+    )]
+    OtherDomain {
+        /// The digest in the spline file.
+        expected: String,
+        /// The digest of the given mesh.
+        found: String,
+    },
+    /// No domain at all.
+    #[error(
+        "the spline file holds only the digest of its mesh (SHA-256 {sha256}); give that mesh with --mesh"
+    )]
+    DomainMissing {
+        /// The digest in the spline file.
+        sha256: String,
+    },
+    /// A least-squares mesh between its vertices.
+    #[error("a least-squares mesh is defined at the vertices only; leave out --subdivide")]
+    VerticesOnly,
+    /// The parts do not make a biharmonic spline.
+    #[error("biharmonic: {0}; the spline file is damaged or belongs to another mesh")]
+    Biharmonic(#[from] msplines_biharmonic::PartsError),
+    /// The parts do not make a least-squares mesh.
+    #[error("ls-mesh: {0}")]
+    LsMesh(#[from] msplines_ls_mesh::FitError),
+    /// The spline could not be evaluated.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+}
+
+impl SplineFileError {
+    /// Returns the exit code that stands for this error.
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::VerticesOnly | Self::DomainMissing { .. } => exit::USAGE,
+            Self::Biharmonic(_) | Self::LsMesh(_) | Self::Evaluate(_) => exit::METHOD,
+            _ => exit::INPUT,
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! Surfaces and data made from formulas, so that everything runs without a single model file.
+
+use std::f64::consts::TAU;
+use std::fmt;
+use std::str::FromStr;
+
+use msplines_common::mesh::{TriangleMesh, shapes};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::input::hexadecimal;
+
+/// About how many vertices each surface has.
+const VERTICES: usize = 20_000;
+
+/// A surface made from a formula.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GeneratedSurface {
+    /// A sphere with bumps, genus 0.
+    BumpySphere,
+    /// A tube around a torus knot, genus 1.
+    TorusKnot,
+    /// A surface with two handles.
+    Genus2,
+    /// A surface with three handles.
+    Genus3,
+    /// A surface with eight handles.
+    Genus8,
+}
+
+impl GeneratedSurface {
+    /// All of them.
+    pub const ALL: [Self; 5] = [
+        Self::BumpySphere,
+        Self::TorusKnot,
+        Self::Genus2,
+        Self::Genus3,
+        Self::Genus8,
+    ];
+
+    /// Returns the name in experiments and records.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::BumpySphere => "bumpy-sphere",
+            Self::TorusKnot => "torus-knot",
+            Self::Genus2 => "genus-2",
+            Self::Genus3 => "genus-3",
+            Self::Genus8 => "genus-8",
+        }
+    }
+
+    /// Returns the mesh.
+    #[must_use]
+    pub fn mesh(self) -> TriangleMesh {
+        match self {
+            Self::BumpySphere => shapes::bumpy_sphere(VERTICES),
+            Self::TorusKnot => shapes::torus_knot(2, 3, VERTICES),
+            Self::Genus2 => shapes::genus(2, VERTICES),
+            Self::Genus3 => shapes::genus(3, VERTICES),
+            Self::Genus8 => shapes::genus(8, VERTICES),
+        }
+    }
+}
+
+impl fmt::Display for GeneratedSurface {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for GeneratedSurface {
+    type Err = UnknownSurface;
+
+    fn from_str(name: &str) -> Result<Self, UnknownSurface> {
+        let found = Self::ALL.into_iter().find(|surface| surface.name() == name);
+        found.ok_or_else(|| UnknownSurface {
+            name: name.to_owned(),
+        })
+    }
+}
+
+/// No surface of this name can be generated.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no surface `{name}`; there are bumpy-sphere, torus-knot, genus-2, genus-3 and genus-8")]
+pub struct UnknownSurface {
+    /// The name.
+    pub name: String,
+}
+
+/// Returns the SHA-256 of the positions and faces of a mesh, as little-endian bytes.
+#[must_use]
+pub fn mesh_digest(mesh: &TriangleMesh) -> String {
+    let mut digest = Sha256::new();
+    for position in mesh.positions() {
+        position.iter().for_each(|x| digest.update(x.to_le_bytes()));
+    }
+    for face in mesh.faces() {
+        face.iter().for_each(|v| digest.update(v.to_le_bytes()));
+    }
+    hexadecimal(&digest.finalize())
+}
+
+/// Returns a picture-like colour of every vertex, `[vertex][red, green, blue]` in [0, 1].
+///
+/// Like a photograph it has smooth shading, fine texture and sharp edges: a sinusoidal gradient in
+/// each channel, ripples of a twelfth of the size, and rings where the colour jumps.
+#[must_use]
+pub fn colour_pattern(mesh: &TriangleMesh) -> Vec<f64> {
+    let [low, high] = mesh.bounding_box();
+    let size = (high - low).max().max(f64::MIN_POSITIVE);
+    let mut values = Vec::with_capacity(3 * mesh.vertex_count());
+    for position in mesh.positions() {
+        let [x, y, z] = ((position - low) / size).into();
+        let ripple = 0.08 * (12.0 * TAU * (x + 0.5 * y)).sin() * (9.0 * TAU * z).cos();
+        let radius = ((x - 0.5).powi(2) + (y - 0.4).powi(2) + (z - 0.3).powi(2)).sqrt();
+        let ring = if (10.0 * radius).fract() < 0.5 {
+            0.18
+        } else {
+            -0.18
+        };
+        let shade = [
+            0.5 + 0.2 * (TAU * (x + 0.3 * z)).sin() + ring,
+            0.5 + 0.2 * (TAU * (y - 0.2 * x)).cos() - 0.5 * ring,
+            0.5 + 0.2 * (TAU * (z + 0.4 * y)).sin() + 0.3 * ring,
+        ];
+        values.extend(shade.map(|c| (c + ripple).clamp(0.0, 1.0)));
+    }
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn generated_surfaces_have_the_genus_of_their_names() {
+        let genera = [0, 1, 2, 3, 8];
+        for (surface, genus) in GeneratedSurface::ALL.into_iter().zip(genera) {
+            let mesh = surface.mesh();
+            assert!(mesh.topology().boundary_loops().is_empty());
+            assert_eq!(
+                mesh.topology().euler_characteristic(),
+                2 - 2 * genus,
+                "{surface}"
+            );
+            assert_eq!(surface.name().parse(), Ok(surface));
+        }
+        assert!("genus-9".parse::<GeneratedSurface>().is_err());
+    }
+
+    #[test]
+    fn generated_surfaces_and_colours_are_the_same_every_time() {
+        let mesh = GeneratedSurface::BumpySphere.mesh();
+        assert_eq!(
+            mesh_digest(&mesh),
+            mesh_digest(&GeneratedSurface::BumpySphere.mesh())
+        );
+        let colours = colour_pattern(&mesh);
+        assert_eq!(colours.len(), 3 * mesh.vertex_count());
+        assert!(colours.iter().all(|c| (0.0..=1.0).contains(c)));
+    }
+}

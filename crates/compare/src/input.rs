@@ -1,0 +1,274 @@
+//! From a file or a formula to a mesh that a method can take.
+
+use std::path::Path;
+
+use msplines_common::mesh::{Facts, Policy, PolygonSoup, TriangleMesh, VertexAttribute, accept};
+use msplines_io::{read_soup, sha256_file};
+
+use crate::case::{Data, Input};
+use crate::clock::PhaseClock;
+use crate::error::{RunError, SplineFileError};
+use crate::generated::{colour_pattern, mesh_digest};
+use crate::record::{InputFacts, InputKind};
+use crate::spline_file::{SplineFile, StoredDomain};
+
+/// A mesh with what is known about where it comes from.
+#[derive(Clone, Debug)]
+pub struct LoadedInput {
+    /// The mesh.
+    pub mesh: TriangleMesh,
+    /// What a record says about it.
+    pub facts: InputFacts,
+    /// Per-vertex data of the file.
+    pub attributes: Vec<VertexAttribute>,
+    /// What was mended.
+    pub warnings: Vec<String>,
+}
+
+/// Reads or generates an input, in the phases `read` and `preflight`.
+///
+/// # Errors
+/// A file that cannot be read or parsed, or a mesh with defects that the policy does not mend.
+pub fn load(input: &Input, clock: &mut PhaseClock) -> Result<LoadedInput, RunError> {
+    clock.enter("read");
+    let loaded = match input {
+        Input::Surface(surface) => {
+            let mesh = surface.mesh();
+            let facts = facts(
+                &mesh,
+                surface.to_string(),
+                mesh_digest(&mesh),
+                InputKind::Triangles,
+            );
+            LoadedInput {
+                mesh,
+                facts,
+                attributes: Vec::new(),
+                warnings: Vec::new(),
+            }
+        }
+        Input::File { path, repair } => {
+            let file = file_name(path);
+            let refused = |reason: String| RunError::Input {
+                file: file.clone(),
+                reason,
+            };
+            let sha256 = sha256_file(path).map_err(|e| refused(unreadable(&e)))?;
+            let soup = read_soup(path).map_err(|e| refused(e.to_string()))?;
+            let kind = kind(&soup);
+            clock.enter("preflight");
+            let policy = if *repair {
+                Policy::Repair
+            } else {
+                Policy::Refuse
+            };
+            let accepted = accept(&soup, policy).map_err(|e| refused(e.to_string()))?;
+            LoadedInput {
+                facts: facts(&accepted.mesh, file.clone(), sha256, kind),
+                attributes: accepted.attributes,
+                warnings: accepted
+                    .repairs
+                    .iter()
+                    .map(|r| format!("repaired: {r}"))
+                    .collect(),
+                mesh: accepted.mesh,
+            }
+        }
+    };
+    clock.leave();
+    Ok(loaded)
+}
+
+/// Returns the domain of a stored spline: the embedded mesh, or the given file where it has the
+/// digest that the spline names.
+///
+/// # Errors
+/// No domain, another one than the spline belongs to, or a file that cannot be read.
+pub fn load_domain(
+    spline: &SplineFile,
+    given: Option<&Path>,
+    name: &Path,
+    clock: &mut PhaseClock,
+) -> Result<LoadedInput, RunError> {
+    let (embedded, repair) = match &spline.domain {
+        StoredDomain::Embedded { mesh } => (Some(mesh.restore()?), false),
+        StoredDomain::Digest { repair, .. } => (None, *repair),
+    };
+    let loaded = match given {
+        Some(path) => Some(load(
+            &Input::File {
+                path: path.to_owned(),
+                repair,
+            },
+            clock,
+        )?),
+        None => None,
+    };
+    let other = |expected: String, found: String| {
+        RunError::Spline(SplineFileError::OtherDomain { expected, found })
+    };
+    match (embedded, loaded, &spline.domain) {
+        (None, None, StoredDomain::Digest { sha256, .. }) => Err(SplineFileError::DomainMissing {
+            sha256: sha256.clone(),
+        }
+        .into()),
+        (None, Some(loaded), StoredDomain::Digest { sha256, .. })
+            if loaded.facts.sha256 != *sha256 =>
+        {
+            Err(other(sha256.clone(), loaded.facts.sha256))
+        }
+        (Some(mesh), Some(loaded), _) if mesh_digest(&mesh) != mesh_digest(&loaded.mesh) => {
+            Err(other(mesh_digest(&mesh), mesh_digest(&loaded.mesh)))
+        }
+        (_, Some(loaded), _) => Ok(loaded),
+        (Some(mesh), None, _) => {
+            let digest = mesh_digest(&mesh);
+            let facts = facts(&mesh, file_name(name), digest, InputKind::Triangles);
+            Ok(LoadedInput {
+                mesh,
+                facts,
+                attributes: Vec::new(),
+                warnings: Vec::new(),
+            })
+        }
+        (None, None, StoredDomain::Embedded { .. }) => unreachable!("embedded meshes are restored"),
+    }
+}
+
+/// Values to fit, with what their errors are divided by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FitData {
+    /// Components of a value.
+    pub dimension: usize,
+    /// Values, `[vertex][component]`.
+    pub values: Vec<f64>,
+    /// Names of the components, for attributes in a file.
+    pub names: Vec<String>,
+    /// What errors are divided by.
+    pub scale: f64,
+}
+
+/// Returns the values that `data` names at the vertices of an input.
+///
+/// # Errors
+/// An attribute that the file does not have.
+pub fn fit_data(data: &Data, input: &LoadedInput) -> Result<FitData, RunError> {
+    let names = |names: [&str; 3]| names.map(str::to_owned).to_vec();
+    match data {
+        Data::Positions => Ok(FitData {
+            dimension: 3,
+            values: input
+                .mesh
+                .positions()
+                .iter()
+                .flat_map(|p| [p.x, p.y, p.z])
+                .collect(),
+            names: names(["x", "y", "z"]),
+            scale: input.mesh.diagonal(),
+        }),
+        Data::ColourPattern => Ok(FitData {
+            dimension: 3,
+            values: colour_pattern(&input.mesh),
+            names: names(["red", "green", "blue"]),
+            scale: 1.0,
+        }),
+        Data::Attributes(chosen) => attribute_data(chosen, input),
+    }
+}
+
+fn attribute_data(chosen: &[String], input: &LoadedInput) -> Result<FitData, RunError> {
+    let mut columns = Vec::with_capacity(chosen.len());
+    for name in chosen {
+        let found = input
+            .attributes
+            .iter()
+            .find(|attribute| attribute.name == *name);
+        columns.push(found.ok_or_else(|| missing_attribute(name, input))?);
+    }
+    let vertices = 0..input.mesh.vertex_count();
+    let values: Vec<f64> = vertices
+        .flat_map(|v| columns.iter().map(move |column| column.values[v]))
+        .collect();
+    if let Some(index) = values.iter().position(|x| !x.is_finite()) {
+        let (vertex, name) = (index / chosen.len(), &chosen[index % chosen.len()]);
+        let reason = format!("attribute `{name}` is not finite at vertex {vertex}; mend the file");
+        return Err(RunError::Input {
+            file: input.facts.file.clone(),
+            reason,
+        });
+    }
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let colours = chosen
+        .iter()
+        .all(|name| ["red", "green", "blue"].contains(&name.as_str()));
+    let in_unit_range = low >= 0.0 && high <= 1.0;
+    let scale = if colours && in_unit_range || high <= low {
+        1.0
+    } else {
+        high - low
+    };
+    Ok(FitData {
+        dimension: chosen.len(),
+        values,
+        names: chosen.to_vec(),
+        scale,
+    })
+}
+
+fn missing_attribute(name: &str, input: &LoadedInput) -> RunError {
+    let names: Vec<&str> = input.attributes.iter().map(|a| a.name.as_str()).collect();
+    RunError::NoSuchAttribute {
+        file: input.facts.file.clone(),
+        name: name.to_owned(),
+        available: if names.is_empty() {
+            "none".to_owned()
+        } else {
+            names.join(", ")
+        },
+    }
+}
+
+/// Returns bytes as lower-case hexadecimal digits.
+#[must_use]
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Returns the name of a file without its folder.
+#[must_use]
+pub fn file_name(path: &Path) -> String {
+    path.file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// Returns what is said about a file that the system will not read.
+#[must_use]
+pub fn unreadable(error: &std::io::Error) -> String {
+    format!("cannot be read: {error}; give the path of a mesh file")
+}
+
+fn kind(soup: &PolygonSoup) -> InputKind {
+    let triangles = (0..soup.face_count()).all(|face| soup.face(face).len() == 3);
+    if triangles {
+        InputKind::Triangles
+    } else {
+        InputKind::Polygons
+    }
+}
+
+fn facts(mesh: &TriangleMesh, file: String, sha256: String, kind: InputKind) -> InputFacts {
+    let facts = Facts::measure(mesh);
+    InputFacts {
+        file,
+        sha256,
+        kind,
+        vertices: mesh.vertex_count() as u64,
+        faces: mesh.face_count() as u64,
+        cells: 0,
+        genus: facts.genus.map(u64::from),
+        boundary_loops: facts.boundary_loops as u64,
+    }
+}

@@ -1,0 +1,82 @@
+//! The measures of a run, in the shape of its record.
+
+use msplines_common::Point3;
+use msplines_common::mesh::TriangleMesh;
+use msplines_common::metrics::{
+    Distance, UnitCubeError, VertexError, distance, unit_cube_error, vertex_error,
+};
+
+use crate::case::Data;
+use crate::error::RunError;
+use crate::input::{FitData, LoadedInput};
+use crate::spline_file::StoredSpline;
+
+/// Points drawn from each surface.
+const SAMPLES: usize = 100_000;
+/// The tessellation is fine enough once halving it changes the root mean square by less than this.
+const SETTLED: f64 = 0.01;
+/// A tessellation is halved so often at most: eight pieces along each edge of the input.
+const MOST_ROUNDS: u32 = 3;
+/// Nor does halving go beyond so many vertices, where a factorisation takes gigabytes.
+const MOST_VERTICES: usize = 200_000;
+
+/// What was measured of one spline.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Errors at the input vertices.
+    pub error: Option<VertexError>,
+    /// The same for positions, over the longest side of the bounding box.
+    pub unit_cube: Option<UnitCubeError>,
+    /// Distance between the surfaces.
+    pub distance: Option<Distance>,
+}
+
+/// Returns the errors of `values` against `data` at the vertices of the input.
+///
+/// `values` may go on beyond those of the input vertices, as those of a subdivision do. Nothing is
+/// measured where all data are equal, as no scale is left to divide by.
+#[must_use]
+pub fn against_data(input: &LoadedInput, data: &FitData, values: &[f64], kind: &Data) -> Measured {
+    let fitted = &values[..data.values.len().min(values.len())];
+    let error = vertex_error(fitted, &data.values, data.dimension, data.scale).ok();
+    let [low, high] = input.mesh.bounding_box();
+    let unit_cube = match kind {
+        Data::Positions => unit_cube_error(fitted, &data.values, (high - low).max()).ok(),
+        Data::Attributes(_) | Data::ColourPattern => None,
+    };
+    Measured {
+        error,
+        unit_cube,
+        distance: None,
+    }
+}
+
+/// Returns the two-sided distance between the input surface and the tessellated spline.
+///
+/// The tessellation starts at the input's faces and is halved until that changes little. A
+/// least-squares mesh is linear on the faces, so that they are its tessellation.
+///
+/// # Errors
+/// A subdivision that cannot be evaluated, or a surface without area.
+pub fn surface_distance(
+    spline: &StoredSpline,
+    mesh: &TriangleMesh,
+    seed: u64,
+) -> Result<Distance, RunError> {
+    let is_linear = matches!(spline, StoredSpline::LsMesh { .. });
+    let mut coarser: Option<Distance> = None;
+    let mut rounds = 0;
+    loop {
+        let (domain, values) = spline.evaluate(mesh, rounds)?;
+        let positions = values.chunks_exact(3).map(Point3::from_slice).collect();
+        let found = distance(mesh, &domain.with_positions(positions), SAMPLES, seed)?;
+        let settled =
+            coarser.is_some_and(|before| (found.rms - before.rms).abs() <= SETTLED * before.rms);
+        let too_many = 4 * domain.vertex_count() > MOST_VERTICES;
+        if is_linear || settled || rounds == MOST_ROUNDS || too_many {
+            return Ok(found);
+        }
+        coarser = Some(found);
+        rounds += 1;
+    }
+}

@@ -1,0 +1,176 @@
+//! The models that experiments name: what is known about them, and where their files are.
+
+use std::path::{Path, PathBuf};
+
+use msplines_io::sha256_file;
+use serde::{Deserialize, Serialize};
+
+use crate::experiment::ExperimentError;
+
+/// The schema of [`Manifest`].
+pub const MODELS_SCHEMA: &str = "msplines.models/1";
+
+/// All models, as `data/models.toml` lists them.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// Always [`MODELS_SCHEMA`].
+    pub schema: String,
+    /// The models.
+    #[serde(rename = "model")]
+    pub models: Vec<Model>,
+}
+
+/// One model.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// Name in experiments.
+    pub name: String,
+    /// Path below the folder of the models.
+    pub file: String,
+    /// Whether a paper used this model; a stand-in otherwise.
+    pub real: bool,
+    /// What it is and how it differs from the paper's.
+    pub status: String,
+    /// Number of vertices.
+    pub vertices: u64,
+    /// Number of faces.
+    pub faces: u64,
+    /// Genus.
+    pub genus: u64,
+    /// Number of boundary loops.
+    pub boundary_loops: u64,
+    /// SHA-256 of the file.
+    pub sha256: String,
+    /// Who made it and where it is found.
+    pub origin: String,
+    /// Under which terms.
+    pub terms: String,
+    /// What was done to it.
+    pub processing: String,
+}
+
+/// Where the mesh of a row comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Provenance {
+    /// The model that a paper used.
+    Real,
+    /// Another model in its place.
+    StandIn,
+    /// A formula.
+    Generated,
+}
+
+impl Provenance {
+    /// Returns what tables say.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Real => "real",
+            Self::StandIn => "stand-in",
+            Self::Generated => "generated",
+        }
+    }
+}
+
+/// Whether the file of a model can be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Located {
+    /// It is there, with the digest of the manifest.
+    Found(PathBuf),
+    /// It is not; the text says why and what to do.
+    Missing(String),
+}
+
+impl Manifest {
+    /// Reads `data/models.toml`.
+    ///
+    /// # Errors
+    /// A file that cannot be read or has other fields.
+    pub fn read(path: &Path) -> Result<Self, ExperimentError> {
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|source| ExperimentError::Unreadable {
+            path: name.clone(),
+            source,
+        })?;
+        toml::from_str(&text).map_err(|e| ExperimentError::Syntax {
+            path: name,
+            message: e.to_string(),
+        })
+    }
+
+    /// Returns the model of this name.
+    #[must_use]
+    pub fn model(&self, name: &str) -> Option<&Model> {
+        self.models.iter().find(|model| model.name == name)
+    }
+}
+
+impl Model {
+    /// Returns whether this is the model of a paper or one in its place.
+    #[must_use]
+    pub fn provenance(&self) -> Provenance {
+        if self.real {
+            Provenance::Real
+        } else {
+            Provenance::StandIn
+        }
+    }
+
+    /// Looks for the file below `folder` and compares its digest.
+    #[must_use]
+    pub fn locate(&self, folder: &Path) -> Located {
+        let path = folder.join(&self.file);
+        match sha256_file(&path) {
+            Ok(digest) if digest == self.sha256 => Located::Found(path),
+            Ok(digest) => Located::Missing(format!(
+                "{}: another file than data/models.toml lists (SHA-256 {}...)",
+                self.name,
+                &digest[..12]
+            )),
+            Err(_) => Located::Missing(self.name.clone()),
+        }
+    }
+}
+
+/// Returns the folder of the models: the given one, else `$MSPLINES_MODELS`, else `data/models`
+/// below `root`.
+#[must_use]
+pub fn models_folder(given: Option<&Path>, root: &Path) -> PathBuf {
+    match (given, std::env::var_os("MSPLINES_MODELS")) {
+        (Some(folder), _) => folder.to_owned(),
+        (None, Some(folder)) if !folder.is_empty() => folder.into(),
+        _ => root.join("data/models"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_is_used_only_with_the_digest_of_the_manifest() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let digest = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        let text = format!(
+            "schema = \"msplines.models/1\"\n[[model]]\nname = \"m\"\nfile = \"m.ply\"\nreal = true\n\
+             status = \"\"\nvertices = 4\nfaces = 4\ngenus = 0\nboundary_loops = 0\nsha256 = \
+             \"{digest}\"\norigin = \"\"\nterms = \"\"\nprocessing = \"\"\n"
+        );
+        let manifest: Manifest = toml::from_str(&text).expect("a manifest");
+        let model = manifest.model("m").expect("listed");
+        assert_eq!(
+            model.locate(folder.path()),
+            Located::Missing("m".to_owned())
+        );
+        let path = folder.path().join("m.ply");
+        std::fs::write(&path, "abc").expect("written");
+        assert_eq!(model.locate(folder.path()), Located::Found(path.clone()));
+        std::fs::write(&path, "abd").expect("written");
+        assert!(
+            matches!(model.locate(folder.path()), Located::Missing(why) if why.contains("another"))
+        );
+    }
+}

@@ -1,0 +1,146 @@
+//! Writing surfaces and splines, by the extension of the file.
+
+use std::path::{Path, PathBuf};
+
+use msplines_common::Point3;
+use msplines_common::mesh::{TriangleMesh, VertexAttribute};
+use msplines_io::{Surface, write_atomically, write_surface};
+
+use crate::error::RunError;
+use crate::spline_file::SplineFile;
+
+/// Extensions that surfaces are written to.
+const SURFACES: [&str; 4] = ["ply", "obj", "vtu", "glb"];
+
+/// Checks before any work that every output has a known format and a folder.
+///
+/// # Errors
+/// The first output that could not be written later.
+pub fn check_outputs(outputs: &[PathBuf]) -> Result<(), RunError> {
+    for path in outputs {
+        let extension = extension(path);
+        if extension != "json" && !SURFACES.contains(&extension.as_str()) {
+            return Err(RunError::UnknownOutput { path: path.clone() });
+        }
+        check_folder(path)?;
+    }
+    Ok(())
+}
+
+/// Checks that the folder of a file exists and that the file is not a folder itself.
+///
+/// # Errors
+/// A folder that does not exist.
+pub fn check_folder(path: &Path) -> Result<(), RunError> {
+    let refused = |reason: &str| {
+        Err(RunError::Write {
+            path: path.to_owned(),
+            reason: reason.to_owned(),
+        })
+    };
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    if folder.is_some_and(|folder| !folder.is_dir()) {
+        return refused("its folder does not exist; make it, or give another path");
+    }
+    if path.is_dir() {
+        refused("it is a folder; give the name of a file in it")
+    } else {
+        Ok(())
+    }
+}
+
+/// Writes the spline, or its values at the vertices of `mesh`, to every output.
+///
+/// Values named `x, y, z` are the surface itself; others become attributes of `mesh`.
+///
+/// # Errors
+/// The first output that cannot be written.
+pub fn write_outputs(
+    outputs: &[PathBuf],
+    spline: &SplineFile,
+    mesh: &TriangleMesh,
+    values: &[f64],
+    names: &[String],
+) -> Result<(), RunError> {
+    let are_positions = names == ["x", "y", "z"];
+    let positions: Vec<Point3<f64>> = if are_positions {
+        values.chunks_exact(3).map(Point3::from_slice).collect()
+    } else {
+        mesh.positions().to_vec()
+    };
+    let attributes = if are_positions {
+        Vec::new()
+    } else {
+        attributes(values, names)
+    };
+    for path in outputs {
+        let refused = |reason: String| RunError::Write {
+            path: path.clone(),
+            reason,
+        };
+        if extension(path) == "json" {
+            write_atomically(path, |out| spline.write(out)).map_err(|e| refused(e.to_string()))?;
+        } else {
+            let surface = Surface {
+                positions: &positions,
+                faces: mesh.faces(),
+                attributes: &attributes,
+            };
+            write_surface(path, &surface).map_err(|e| refused(e.to_string()))?;
+        }
+    }
+    Ok(())
+}
+
+fn attributes(values: &[f64], names: &[String]) -> Vec<VertexAttribute> {
+    let column = |component: usize| {
+        values
+            .iter()
+            .skip(component)
+            .step_by(names.len())
+            .copied()
+            .collect()
+    };
+    let named = names.iter().enumerate();
+    named
+        .map(|(i, name)| VertexAttribute {
+            name: name.clone(),
+            values: column(i),
+        })
+        .collect()
+}
+
+fn extension(path: &Path) -> String {
+    path.extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_ascii_lowercase()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outputs_are_refused_before_any_work() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let check = |name: &str| check_outputs(&[folder.path().join(name)]);
+        assert!(check("a.PLY").is_ok() && check("a.json").is_ok());
+        assert!(matches!(
+            check("a.stl"),
+            Err(RunError::UnknownOutput { .. })
+        ));
+        assert!(matches!(check("a"), Err(RunError::UnknownOutput { .. })));
+        assert!(matches!(check("none/a.ply"), Err(RunError::Write { .. })));
+    }
+
+    #[test]
+    fn attributes_take_their_component_of_every_value() {
+        let names = ["red".to_owned(), "blue".to_owned()];
+        let columns = attributes(&[1.0, 2.0, 3.0, 4.0], &names);
+        assert_eq!(columns[0].values, [1.0, 3.0]);
+        assert_eq!(columns[1].values, [2.0, 4.0]);
+    }
+}

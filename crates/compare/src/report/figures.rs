@@ -1,0 +1,153 @@
+//! The figures of a row: what the paper prints, what we got, and the ratio.
+
+use crate::campaign::{RowReport, RowResult};
+use crate::record::Record;
+
+/// One figure of a row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Name of the quantity, such as `error_mean`.
+    pub quantity: &'static str,
+    /// Its unit.
+    pub unit: Unit,
+    /// What the paper prints.
+    pub paper: Option<f64>,
+    /// What we got.
+    pub ours: Option<f64>,
+    /// Ours over the paper's.
+    pub ratio: Option<f64>,
+}
+
+/// Unit of a figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// A fraction in files, percent in tables for people.
+    Fraction,
+    /// Decibels.
+    Decibel,
+    /// Seconds of wall time.
+    Seconds,
+    /// Bytes in files, mebibytes in tables for people.
+    Bytes,
+    /// A count.
+    Count,
+}
+
+impl Unit {
+    /// Returns the name of the unit in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fraction => "fraction",
+            Self::Decibel => "dB",
+            Self::Seconds => "s",
+            Self::Bytes => "bytes",
+            Self::Count => "count",
+        }
+    }
+
+    /// Returns a value as tables for people show it.
+    #[must_use]
+    pub fn show(self, value: f64) -> String {
+        match self {
+            Self::Fraction => format!("{:.4} %", 100.0 * value),
+            Self::Decibel => format!("{value:.1} dB"),
+            Self::Seconds if value < 10.0 => format!("{value:.2} s"),
+            Self::Seconds => format!("{value:.0} s"),
+            Self::Bytes => format!("{:.0} MiB", value / f64::from(1 << 20)),
+            Self::Count => format!("{value:.0}"),
+        }
+    }
+}
+
+impl Figure {
+    fn new(quantity: &'static str, unit: Unit, paper: Option<f64>, ours: Option<f64>) -> Self {
+        let ratio = ours.zip(paper).map(|(ours, paper)| ours / paper);
+        Self {
+            quantity,
+            unit,
+            paper,
+            ours,
+            ratio,
+        }
+    }
+}
+
+/// Returns the figure of a row that is judged: its mean error, or decibels for colours.
+#[must_use]
+pub fn error_figure(report: &RowReport) -> Figure {
+    let printed = &report.row.printed;
+    let error = report
+        .result
+        .record()
+        .and_then(|record| record.error.as_ref());
+    let in_decibels = report.row.data == crate::experiment::RowData::ColourPattern;
+    let mut figure = if in_decibels {
+        let ours = error.and_then(|error| error.psnr_db);
+        Figure::new("psnr_db", Unit::Decibel, printed.psnr_db, ours)
+    } else {
+        Figure::new(
+            "error_mean",
+            Unit::Fraction,
+            printed.error,
+            error.map(|error| error.mean),
+        )
+    };
+    // Decibels have no ratio of their own: the judgement holds that of the root mean squares.
+    figure.ratio = report.judgement.ratio;
+    figure
+}
+
+/// Returns the figures of a row that are shown and never judged: times, memory, points.
+#[must_use]
+pub fn cost_figures(report: &RowReport) -> Vec<Figure> {
+    let (printed, record) = (&report.row.printed, report.result.record());
+    let seconds = |names: &[&str]| record.map(|record| phase_seconds(record, names));
+    let total = record.map(|record| record.seconds.total);
+    let memory = record.map(|record| record.peak_rss_bytes as f64);
+    let mut figures = vec![
+        Figure::new(
+            "select_seconds",
+            Unit::Seconds,
+            printed.select_seconds,
+            seconds(&["domain", "select"]),
+        ),
+        Figure::new(
+            "fit_seconds",
+            Unit::Seconds,
+            printed.fit_seconds,
+            seconds(&["fit"]),
+        ),
+    ];
+    if report.row.subdivide > 0 {
+        let points = record.and_then(|record| record.checks.get("evaluated_points")?.as_f64());
+        let evaluate = seconds(&["evaluate"]);
+        let paper = printed.evaluate_seconds;
+        figures.push(Figure::new(
+            "evaluate_seconds",
+            Unit::Seconds,
+            paper,
+            evaluate,
+        ));
+        figures.push(Figure::new("evaluated_points", Unit::Count, None, points));
+    }
+    figures.push(Figure::new("total_seconds", Unit::Seconds, None, total));
+    figures.push(Figure::new("peak_rss_bytes", Unit::Bytes, None, memory));
+    figures
+}
+
+/// Returns why a row has no figures, if it has none.
+pub(super) fn absence(report: &RowReport) -> Option<String> {
+    match &report.result {
+        RowResult::Done(_) => None,
+        RowResult::NotRun(reason) => Some(format!("not run: {reason}")),
+        RowResult::Failed(reason) => Some(format!("failed: {reason}")),
+    }
+}
+
+fn phase_seconds(record: &Record, names: &[&str]) -> f64 {
+    names
+        .iter()
+        .filter_map(|&name| record.seconds.phases.get(name))
+        .sum()
+}

@@ -1,0 +1,211 @@
+//! A report as terminal tables, CSV, JSON and Markdown.
+
+mod figures;
+mod tables;
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use comfy_table::presets::UTF8_FULL_CONDENSED;
+
+use crate::campaign::{CampaignError, Report, RowReport};
+
+pub use figures::{Figure, Unit, cost_figures, error_figure};
+pub use tables::{Table, cost_table, error_table, notes};
+
+/// Returns the report for a terminal.
+#[must_use]
+pub fn terminal(report: &Report) -> String {
+    let mut text = String::new();
+    for item in &report.items {
+        for table in [error_table(item), cost_table(item, report.times)] {
+            if table.rows.is_empty() {
+                continue;
+            }
+            let mut drawn = comfy_table::Table::new();
+            drawn.load_style(UTF8_FULL_CONDENSED);
+            drawn.set_header(&table.header);
+            drawn.add_rows(&table.rows);
+            let _ = writeln!(text, "{}\n{drawn}", table.title);
+        }
+        for note in notes(item) {
+            let _ = writeln!(text, "  {note}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Returns the items of `paper` as a Markdown page.
+#[must_use]
+pub fn markdown(report: &Report, paper: &str) -> String {
+    let tool = &report.tool;
+    let mut text = format!(
+        "# Results: {paper}\n\nWritten by `cargo xtask repro {paper}` (version {}, {}). Errors are \
+         the mean over the vertices, in percent of the bounding-box diagonal; PSNR is per channel. \
+         Only models that the paper used are judged; stand-ins and generated surfaces are compared \
+         with our own recorded values. T_k is factorisation and knot selection, T_f the fit at the \
+         chosen knots.\n",
+        tool.version, tool.rustc
+    );
+    for item in report.items.iter().filter(|item| item.paper == paper) {
+        let _ = writeln!(text, "\n## {}: {}\n", item.item, item.title);
+        for table in [error_table(item), cost_table(item, report.times)] {
+            if !table.rows.is_empty() {
+                push_markdown_table(&mut text, &table);
+            }
+        }
+        for note in notes(item) {
+            let _ = writeln!(text, "- {}", cell(&note));
+        }
+    }
+    text
+}
+
+fn push_markdown_table(text: &mut String, table: &Table) {
+    let line = |cells: &[String]| {
+        let cells: Vec<String> = cells.iter().map(|c| cell(c)).collect();
+        format!("| {} |", cells.join(" | "))
+    };
+    let _ = writeln!(text, "{}", line(&table.header));
+    let _ = writeln!(text, "|{}", "---|".repeat(table.header.len()));
+    for row in &table.rows {
+        let _ = writeln!(text, "{}", line(row));
+    }
+    text.push('\n');
+}
+
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|").replace('\n', " ")
+}
+
+/// Returns all figures as CSV, one per line; fractions, seconds, bytes, never percent.
+///
+/// # Errors
+/// What the writer reports, which memory never does.
+pub fn csv(report: &Report) -> std::io::Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record([
+        "paper",
+        "item",
+        "row",
+        "domain",
+        "provenance",
+        "method",
+        "knots",
+        "quantity",
+        "unit",
+        "paper_value",
+        "ours",
+        "ratio",
+        "tolerance",
+        "verdict",
+        "regression",
+        "analysis",
+    ])?;
+    for item in &report.items {
+        for row in &item.rows {
+            let judged = error_figure(row);
+            writer.write_record(csv_line([&item.paper, &item.item], row, &judged, true))?;
+            for figure in cost_figures(row) {
+                writer.write_record(csv_line([&item.paper, &item.item], row, &figure, false))?;
+            }
+        }
+    }
+    writer.into_inner().map_err(|error| error.into_error())
+}
+
+fn csv_line(
+    [paper, item]: [&String; 2],
+    report: &RowReport,
+    figure: &Figure,
+    is_judged: bool,
+) -> Vec<String> {
+    let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
+    let row = &report.row;
+    let domain = row.model.as_ref().or(row.surface.as_ref());
+    let method = serde_json::to_value(row.method).unwrap_or_default();
+    let regression = serde_json::to_value(report.judgement.regression).unwrap_or_default();
+    let verdict = if is_judged {
+        report.judgement.verdict.text()
+    } else {
+        ""
+    };
+    let text = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
+    vec![
+        paper.clone(),
+        item.clone(),
+        row.id.clone(),
+        domain.cloned().unwrap_or_default(),
+        report.provenance.text().to_owned(),
+        text(&method),
+        row.knots.clone(),
+        figure.quantity.to_owned(),
+        figure.unit.name().to_owned(),
+        number(figure.paper),
+        number(figure.ours),
+        number(figure.ratio),
+        if is_judged {
+            row.tolerance.to_string()
+        } else {
+            String::new()
+        },
+        verdict.to_owned(),
+        if is_judged {
+            text(&regression)
+        } else {
+            String::new()
+        },
+        row.analysis.trim().to_owned(),
+    ]
+}
+
+/// Writes `report.json`, `report.csv` and one `PAPER.md` per paper into `folder`, and returns
+/// their paths.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(report: &Report, folder: &Path) -> Result<Vec<PathBuf>, CampaignError> {
+    let mut written = Vec::new();
+    let mut put = |name: String, bytes: std::io::Result<Vec<u8>>| {
+        let path = folder.join(name);
+        let done = bytes.and_then(|bytes| replace(&path, &bytes));
+        done.map_err(|source| CampaignError::Output {
+            path: path.clone(),
+            source,
+        })?;
+        written.push(path);
+        Ok::<(), CampaignError>(())
+    };
+    let json = serde_json::to_vec_pretty(report).map_err(std::io::Error::from);
+    put("report.json".to_owned(), json)?;
+    put("report.csv".to_owned(), csv(report))?;
+    for paper in papers(report) {
+        put(
+            format!("{paper}.md"),
+            Ok(markdown(report, &paper).into_bytes()),
+        )?;
+    }
+    Ok(written)
+}
+
+/// Returns the papers of a report, each once.
+#[must_use]
+pub fn papers(report: &Report) -> Vec<String> {
+    let mut papers: Vec<String> = report.items.iter().map(|item| item.paper.clone()).collect();
+    papers.dedup();
+    papers
+}
+
+/// Writes a file beside its place and renames it.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder)?;
+    let mut file = tempfile::NamedTempFile::new_in(folder)?;
+    std::io::Write::write_all(&mut file, bytes)?;
+    file.persist(path)?;
+    Ok(())
+}

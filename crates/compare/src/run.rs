@@ -1,0 +1,242 @@
+//! One run: read, fit, evaluate what is stored, measure it, write it, and record it all.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use msplines_common::mesh::TriangleMesh;
+use msplines_common::progress::{Observer, Outcome, Progress};
+use serde_json::{Value, json};
+
+use crate::case::{Case, Data, DomainStorage, Input};
+use crate::clock::{PhaseClock, process_usage};
+use crate::error::RunError;
+use crate::fit::fit;
+use crate::input::{LoadedInput, fit_data, load, load_domain};
+use crate::measure::{self, Measured};
+use crate::output::{check_outputs, write_outputs};
+use crate::record::{RUN_SCHEMA, Record, Tool};
+use crate::spline_file::{SplineFile, StoredDomain, StoredMesh};
+
+/// What a run gives.
+#[derive(Clone, Debug)]
+pub struct RunOutput {
+    /// The record, complete but for files that the caller writes.
+    pub record: Record,
+    /// The spline in its stored form.
+    pub spline: SplineFile,
+    /// The mesh at whose vertices the spline was evaluated.
+    pub mesh: TriangleMesh,
+    /// Values of the spline there, `[vertex][component]`, as evaluated from the stored form.
+    pub values: Vec<f64>,
+}
+
+/// Runs a case and writes its outputs.
+///
+/// The errors in the record are those of the spline in its stored form, evaluated again. A run
+/// that `observer` breaks off ends with the best spline so far and says so in its outcome.
+///
+/// # Errors
+/// Input that is refused, a method that cannot take it, or an output that cannot be written.
+pub fn run(
+    case: &Case,
+    process_start: Instant,
+    observer: &mut Observer<'_>,
+) -> Result<RunOutput, RunError> {
+    check_outputs(&case.outputs)?;
+    let mut clock = PhaseClock::start(process_start);
+    announce("read", observer);
+    let input = load(&case.input, &mut clock)?;
+    let data = fit_data(&case.data, &input)?;
+    enter("domain", &mut clock, observer);
+    let fitted = fit(case, &input, &data, &mut clock, observer)?;
+    enter("evaluate", &mut clock, observer);
+    let (mesh, values) = fitted.stored.evaluate(&input.mesh, case.subdivide)?;
+    check_finite(&values, data.dimension)?;
+    enter("measure", &mut clock, observer);
+    let mut measured = measure::against_data(&input, &data, &values, &case.data);
+    if case.measure_distance && case.data == Data::Positions {
+        let found = measure::surface_distance(&fitted.stored, &input.mesh, case.seed)?;
+        measured.distance = Some(found);
+    }
+    let options = options(case, &fitted.options);
+    let spline = SplineFile::new(domain(case, &input), options, fitted.stored);
+    enter("write", &mut clock, observer);
+    write_outputs(&case.outputs, &spline, &mesh, &values, &data.names)?;
+    clock.leave();
+    let mut checks = fitted.checks;
+    checks.insert("evaluated_points".to_owned(), json!(mesh.vertex_count()));
+    let summary = Summary {
+        checks,
+        outcome: fitted.outcome,
+        measured,
+        seed: case.seed,
+    };
+    let mut record = record(&input, &spline, summary, &mut clock);
+    record.warnings.extend(fitted.warnings);
+    Ok(RunOutput {
+        record,
+        spline,
+        mesh,
+        values,
+    })
+}
+
+/// What an evaluation of a spline file is asked to do.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// The spline file.
+    pub spline: PathBuf,
+    /// The mesh that was fitted, where the file does not hold it.
+    pub mesh: Option<PathBuf>,
+    /// Rounds of midpoint subdivision.
+    pub subdivide: u32,
+    /// Files to write.
+    pub outputs: Vec<PathBuf>,
+    /// Seed in the record; evaluation itself uses none.
+    pub seed: u64,
+}
+
+/// Evaluates a spline file and writes the surface.
+///
+/// # Errors
+/// A spline or mesh file that cannot be used, or an output that cannot be written.
+pub fn evaluate(
+    evaluation: &Evaluation,
+    process_start: Instant,
+    observer: &mut Observer<'_>,
+) -> Result<RunOutput, RunError> {
+    check_outputs(&evaluation.outputs)?;
+    let mut clock = PhaseClock::start(process_start);
+    enter("read", &mut clock, observer);
+    let spline = SplineFile::read(&evaluation.spline)?;
+    let input = load_domain(
+        &spline,
+        evaluation.mesh.as_deref(),
+        &evaluation.spline,
+        &mut clock,
+    )?;
+    enter("evaluate", &mut clock, observer);
+    let (mesh, values) = spline.spline.evaluate(&input.mesh, evaluation.subdivide)?;
+    let dimension = spline.spline.dimension();
+    check_finite(&values, dimension)?;
+    enter("measure", &mut clock, observer);
+    let names = component_names(&spline.options, dimension);
+    let measured = if names[0] == "x" {
+        let data = fit_data(&Data::Positions, &input)?;
+        measure::against_data(&input, &data, &values, &Data::Positions)
+    } else {
+        Measured::default()
+    };
+    enter("write", &mut clock, observer);
+    write_outputs(&evaluation.outputs, &spline, &mesh, &values, &names)?;
+    clock.leave();
+    let checks = BTreeMap::from([
+        ("knots".to_owned(), json!(spline.spline.knots().len())),
+        ("evaluated_points".to_owned(), json!(mesh.vertex_count())),
+    ]);
+    let seed = evaluation.seed;
+    let summary = Summary {
+        checks,
+        outcome: Outcome::Converged,
+        measured,
+        seed,
+    };
+    let record = record(&input, &spline, summary, &mut clock);
+    Ok(RunOutput {
+        record,
+        spline,
+        mesh,
+        values,
+    })
+}
+
+/// What a record says beyond its input, spline and times.
+struct Summary {
+    outcome: Outcome,
+    checks: BTreeMap<String, Value>,
+    measured: Measured,
+    seed: u64,
+}
+
+/// Returns the options of the method together with those of the run.
+fn options(case: &Case, method: &Value) -> Value {
+    let mut options = method.clone();
+    options["data"] = json!(case.data);
+    options["seed"] = json!(case.seed);
+    options["subdivide"] = json!(case.subdivide);
+    options["repair"] = json!(matches!(case.input, Input::File { repair: true, .. }));
+    options
+}
+
+fn component_names(options: &Value, dimension: usize) -> Vec<String> {
+    let names = |names: [&str; 3]| names.map(str::to_owned).to_vec();
+    match serde_json::from_value(options["data"].clone()) {
+        Ok(Data::Positions) if dimension == 3 => names(["x", "y", "z"]),
+        Ok(Data::ColourPattern) if dimension == 3 => names(["red", "green", "blue"]),
+        Ok(Data::Attributes(names)) if names.len() == dimension => names,
+        _ => (0..dimension)
+            .map(|component| format!("value_{component}"))
+            .collect(),
+    }
+}
+
+fn domain(case: &Case, input: &LoadedInput) -> StoredDomain {
+    match (&case.input, case.domain) {
+        (Input::File { repair, .. }, DomainStorage::Digest) => StoredDomain::Digest {
+            sha256: input.facts.sha256.clone(),
+            repair: *repair,
+        },
+        _ => StoredDomain::Embedded {
+            mesh: StoredMesh::of(&input.mesh),
+        },
+    }
+}
+
+fn record(
+    input: &LoadedInput,
+    spline: &SplineFile,
+    summary: Summary,
+    clock: &mut PhaseClock,
+) -> Record {
+    let stored = &spline.spline;
+    let mesh = &input.mesh;
+    Record {
+        schema: RUN_SCHEMA.to_owned(),
+        tool: Tool::this(),
+        method: stored.method().to_owned(),
+        input: input.facts.clone(),
+        options: spline.options.clone(),
+        outcome: summary.outcome,
+        dofs: (stored.knots().len() * stored.dimension()) as u64,
+        domain_bytes: (24 * mesh.vertex_count() + 12 * mesh.face_count()) as u64,
+        error: summary.measured.error,
+        error_unit_cube: summary.measured.unit_cube,
+        distance: summary.measured.distance,
+        checks: summary.checks,
+        seconds: clock.read(),
+        peak_rss_bytes: process_usage().peak_rss_bytes,
+        threads: rayon::current_num_threads(),
+        seed: summary.seed,
+        warnings: input.warnings.clone(),
+    }
+}
+
+fn check_finite(values: &[f64], dimension: usize) -> Result<(), RunError> {
+    match values.iter().position(|x| !x.is_finite()) {
+        Some(index) => Err(RunError::NotFinite {
+            vertex: index / dimension,
+        }),
+        None => Ok(()),
+    }
+}
+
+fn enter(phase: &'static str, clock: &mut PhaseClock, observer: &mut Observer<'_>) {
+    clock.enter(phase);
+    announce(phase, observer);
+}
+
+/// Tells the observer of a phase that cannot be broken off.
+fn announce(phase: &'static str, observer: &mut Observer<'_>) {
+    let _ = observer(&Progress::new(phase, 0, 0));
+}

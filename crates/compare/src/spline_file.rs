@@ -1,0 +1,424 @@
+//! Splines as JSON files that hold exactly what is needed to evaluate them again.
+//!
+//! Numbers are written with the shortest digits that read back to the same bits, so a spline
+//! loses nothing in a file. Knots and control vertices are listed, so that anyone can count them.
+
+use std::io::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+use msplines_biharmonic::{BiharmonicSpline, Extension, Laplacian};
+use msplines_common::Point3;
+use msplines_common::mesh::TriangleMesh;
+use msplines_ls_mesh::{Constraints, LsMesh};
+use serde::{Deserialize, Serialize};
+
+use crate::error::SplineFileError;
+
+/// The schema of [`SplineFile`].
+pub const SPLINE_SCHEMA: &str = "msplines.spline/1";
+
+/// A spline file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SplineFile {
+    /// Always [`SPLINE_SCHEMA`].
+    pub schema: String,
+    /// The mesh under the spline.
+    pub domain: StoredDomain,
+    /// All options of the fit.
+    pub options: serde_json::Value,
+    /// The method and its numbers.
+    #[serde(flatten)]
+    pub spline: StoredSpline,
+}
+
+/// The domain of a stored spline.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum StoredDomain {
+    /// The mesh file with this digest.
+    Digest {
+        /// SHA-256 of the mesh file.
+        sha256: String,
+        /// Whether its defects are mended when it is read.
+        repair: bool,
+    },
+    /// The mesh itself.
+    Embedded {
+        /// Positions and faces.
+        mesh: StoredMesh,
+    },
+}
+
+/// A triangle mesh in a spline file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoredMesh {
+    /// Position of every vertex.
+    pub positions: Vec<[f64; 3]>,
+    /// Corners of every face, zero-based.
+    pub faces: Vec<[u32; 3]>,
+}
+
+impl StoredMesh {
+    /// Returns the stored form of a mesh.
+    #[must_use]
+    pub fn of(mesh: &TriangleMesh) -> Self {
+        Self {
+            positions: mesh.positions().iter().map(|p| [p.x, p.y, p.z]).collect(),
+            faces: mesh.faces().to_vec(),
+        }
+    }
+
+    /// Returns the mesh.
+    ///
+    /// # Errors
+    /// Positions that are not finite, or faces that are not an oriented manifold.
+    pub fn restore(&self) -> Result<TriangleMesh, SplineFileError> {
+        let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
+        if let Some(vertex) = self.positions.iter().position(|p| !finite(p)) {
+            return Err(SplineFileError::NotFinite {
+                what: "position",
+                index: vertex,
+            });
+        }
+        let positions = self.positions.iter().map(|&p| Point3::from(p)).collect();
+        Ok(TriangleMesh::build(positions, self.faces.clone())?)
+    }
+}
+
+/// The numbers of a spline, from which it is evaluated again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "method", content = "data", rename_all = "kebab-case")]
+pub enum StoredSpline {
+    /// Implicit form of a biharmonic B-spline.
+    Biharmonic {
+        /// Components of a value.
+        dimension: usize,
+        /// Discrete Laplacian of the domain.
+        laplacian: Laplacian,
+        /// Vertices that are knots.
+        knots: Vec<u32>,
+        /// Coefficients of the Green's functions, `[knot][component]`.
+        coefficients: Vec<f64>,
+        /// The constant that is added.
+        constant: Vec<f64>,
+    },
+    /// Control vertices of a least-squares mesh.
+    LsMesh {
+        /// Components of a value.
+        dimension: usize,
+        /// Control vertices.
+        controls: Vec<u32>,
+        /// Value of each control vertex, `[control][component]`.
+        control_values: Vec<f64>,
+        /// How the control values bind.
+        constraints: Constraints,
+    },
+}
+
+impl StoredSpline {
+    /// Returns the stored form of a biharmonic B-spline.
+    #[must_use]
+    pub fn of_biharmonic(spline: &BiharmonicSpline, laplacian: Laplacian) -> Self {
+        Self::Biharmonic {
+            dimension: spline.dimension(),
+            laplacian,
+            knots: spline.knots().to_vec(),
+            coefficients: spline.coefficients().to_vec(),
+            constant: spline.constant().to_vec(),
+        }
+    }
+
+    /// Returns the stored form of a least-squares mesh.
+    #[must_use]
+    pub fn of_ls_mesh(spline: &LsMesh, constraints: Constraints) -> Self {
+        Self::LsMesh {
+            dimension: spline.dimension(),
+            controls: spline.controls().to_vec(),
+            control_values: spline.control_values().to_vec(),
+            constraints,
+        }
+    }
+
+    /// Returns the name of the method.
+    #[must_use]
+    pub fn method(&self) -> &'static str {
+        match self {
+            Self::Biharmonic { .. } => "biharmonic",
+            Self::LsMesh { .. } => "ls-mesh",
+        }
+    }
+
+    /// Returns the number of components of a value.
+    #[must_use]
+    pub fn dimension(&self) -> usize {
+        match self {
+            Self::Biharmonic { dimension, .. } | Self::LsMesh { dimension, .. } => *dimension,
+        }
+    }
+
+    /// Returns the vertices that are knots or control vertices.
+    #[must_use]
+    pub fn knots(&self) -> &[u32] {
+        match self {
+            Self::Biharmonic { knots, .. } => knots,
+            Self::LsMesh { controls, .. } => controls,
+        }
+    }
+
+    /// Returns the values at the vertices of `mesh`, or of its midpoint subdivision after `rounds`
+    /// rounds, with the mesh they belong to.
+    ///
+    /// # Errors
+    /// Numbers that do not fit the mesh, or a system that cannot be solved.
+    pub fn evaluate(
+        &self,
+        mesh: &TriangleMesh,
+        rounds: u32,
+    ) -> Result<(TriangleMesh, Vec<f64>), SplineFileError> {
+        self.check(mesh.vertex_count())?;
+        match self {
+            Self::Biharmonic {
+                dimension,
+                laplacian,
+                knots,
+                coefficients,
+                constant,
+            } => {
+                let spline = BiharmonicSpline::from_parts(
+                    Arc::new(mesh.clone()),
+                    *laplacian,
+                    *dimension,
+                    knots.clone(),
+                    coefficients.clone(),
+                    constant.clone(),
+                )?;
+                if rounds == 0 {
+                    return Ok((mesh.clone(), spline.vertex_values()?));
+                }
+                Ok(spline.subdivision_values(rounds, Extension::AreaWeighted)?)
+            }
+            Self::LsMesh { .. } if rounds > 0 => Err(SplineFileError::VerticesOnly),
+            Self::LsMesh {
+                dimension,
+                controls,
+                control_values,
+                constraints,
+            } => {
+                let spline = LsMesh::from_parts(
+                    mesh.clone(),
+                    *constraints,
+                    *dimension,
+                    controls.clone(),
+                    control_values.clone(),
+                )?;
+                Ok((mesh.clone(), spline.vertex_values().to_vec()))
+            }
+        }
+    }
+
+    fn check(&self, vertices: usize) -> Result<(), SplineFileError> {
+        let (dimension, knots) = (self.dimension(), self.knots());
+        let (values, others): (&[f64], &[f64]) = match self {
+            Self::Biharmonic {
+                coefficients,
+                constant,
+                ..
+            } => (coefficients, constant),
+            Self::LsMesh { control_values, .. } => (control_values, &[]),
+        };
+        let constants = if matches!(self, Self::Biharmonic { .. }) {
+            dimension
+        } else {
+            0
+        };
+        let expected = knots.len().checked_mul(dimension);
+        if dimension == 0 || expected != Some(values.len()) || others.len() != constants {
+            return Err(SplineFileError::WrongLength {
+                knots: knots.len(),
+                dimension,
+                values: values.len(),
+            });
+        }
+        if let Some(&vertex) = knots.iter().find(|&&v| v as usize >= vertices) {
+            return Err(SplineFileError::NoSuchVertex { vertex, vertices });
+        }
+        let mut numbers = values.iter().chain(others);
+        match numbers.position(|x| !x.is_finite()) {
+            Some(index) => Err(SplineFileError::NotFinite {
+                what: "coefficient",
+                index,
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+impl SplineFile {
+    /// Returns the file of a spline.
+    #[must_use]
+    pub fn new(domain: StoredDomain, options: serde_json::Value, spline: StoredSpline) -> Self {
+        Self {
+            schema: SPLINE_SCHEMA.to_owned(),
+            domain,
+            options,
+            spline,
+        }
+    }
+
+    /// Reads a spline file.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is not a spline of this schema.
+    pub fn read(path: &Path) -> Result<Self, SplineFileError> {
+        let bytes = std::fs::read(path).map_err(|source| SplineFileError::Unreadable {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::parse(&bytes)
+    }
+
+    /// Reads a spline from the bytes of its file.
+    ///
+    /// # Errors
+    /// Bytes that are not a spline of this schema.
+    pub fn parse(bytes: &[u8]) -> Result<Self, SplineFileError> {
+        #[derive(Deserialize)]
+        struct Header {
+            schema: String,
+        }
+        // The header first: "another schema" says more than the first field that differs.
+        let header: Header = serde_json::from_slice(bytes)?;
+        if header.schema != SPLINE_SCHEMA {
+            return Err(SplineFileError::WrongSchema {
+                found: header.schema,
+            });
+        }
+        Ok(serde_json::from_slice(bytes)?)
+    }
+
+    /// Writes the spline as JSON.
+    ///
+    /// # Errors
+    /// What the writer reports.
+    pub fn write(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        serde_json::to_writer(&mut *out, self)?;
+        out.write_all(b"\n")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn tetrahedron() -> StoredMesh {
+        StoredMesh {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            faces: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]],
+        }
+    }
+
+    fn file(coefficients: Vec<f64>) -> SplineFile {
+        let spline = StoredSpline::Biharmonic {
+            dimension: 1,
+            laplacian: Laplacian::Cotangent,
+            knots: vec![0, 2],
+            coefficients,
+            constant: vec![0.1],
+        };
+        let domain = StoredDomain::Embedded {
+            mesh: tetrahedron(),
+        };
+        SplineFile::new(domain, serde_json::json!({}), spline)
+    }
+
+    fn bytes(file: &SplineFile) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        file.write(&mut bytes).expect("memory takes all bytes");
+        bytes
+    }
+
+    proptest! {
+        #[test]
+        fn numbers_round_trip_to_the_same_bits(
+            a in any::<f64>().prop_filter("finite", |x| x.is_finite()),
+            b in any::<f64>().prop_filter("finite", |x| x.is_finite()),
+        ) {
+            let read = SplineFile::parse(&bytes(&file(vec![a, b]))).expect("it reads back");
+            let StoredSpline::Biharmonic { coefficients, .. } = read.spline else {
+                panic!("another method");
+            };
+            prop_assert_eq!(coefficients[0].to_bits(), a.to_bits());
+            prop_assert_eq!(coefficients[1].to_bits(), b.to_bits());
+        }
+    }
+
+    #[test]
+    fn both_kinds_of_domain_are_told_apart() {
+        let mut file = file(vec![1.0, -1.0]);
+        assert_eq!(SplineFile::parse(&bytes(&file)).expect("embedded"), file);
+        file.domain = StoredDomain::Digest {
+            sha256: "ab".repeat(32),
+            repair: true,
+        };
+        assert_eq!(SplineFile::parse(&bytes(&file)).expect("digest"), file);
+    }
+
+    #[test]
+    fn method_and_data_stand_beside_the_schema() {
+        let value: serde_json::Value =
+            serde_json::from_slice(&bytes(&file(vec![1.0, -1.0]))).expect("json");
+        assert_eq!(value["schema"], "msplines.spline/1");
+        assert_eq!(value["method"], "biharmonic");
+        assert_eq!(value["data"]["knots"], serde_json::json!([0, 2]));
+        assert_eq!(
+            value["domain"]["mesh"]["faces"][0],
+            serde_json::json!([0, 2, 1])
+        );
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_its_place() {
+        let mesh = tetrahedron().restore().expect("a tetrahedron");
+        let message = |spline: &StoredSpline| match spline.evaluate(&mesh, 0) {
+            Ok(_) => panic!("must be refused"),
+            Err(error) => error.to_string(),
+        };
+        let mut stored = file(vec![1.0]).spline;
+        assert_eq!(
+            message(&stored),
+            "the spline file lists 2 knots of 1 components but 1 values; it is damaged, fit again"
+        );
+        if let StoredSpline::Biharmonic {
+            coefficients,
+            knots,
+            ..
+        } = &mut stored
+        {
+            *coefficients = vec![1.0, 2.0];
+            knots[1] = 4;
+        }
+        assert_eq!(
+            message(&stored),
+            "the spline file names vertex 4, but its domain has 4 vertices; give the mesh that \
+             was fitted"
+        );
+        let mut mesh = tetrahedron();
+        mesh.positions[2][1] = f64::NAN;
+        assert!(mesh.restore().is_err());
+    }
+
+    #[test]
+    fn another_schema_is_named() {
+        let error = SplineFile::parse(b"{\"schema\": \"msplines.run/1\"}").expect_err("refused");
+        assert_eq!(
+            error.to_string(),
+            "this is `msplines.run/1`, not `msplines.spline/1`; give a file that `msplines fit -o \
+             FILE.json` wrote"
+        );
+        assert!(SplineFile::parse(b"not json").is_err());
+    }
+}

@@ -1,0 +1,267 @@
+//! Verdicts: our figures against the printed ones, and against our own of before.
+//!
+//! Only a real model is judged against what a paper prints. On a stand-in or a generated surface
+//! our own recorded value must not get worse. Times are shown as ratios and never judged.
+
+use msplines_common::metrics::VertexError;
+use serde::{Deserialize, Serialize};
+
+use crate::experiment::Row;
+use crate::models::Provenance;
+
+/// Ours against the printed error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Within the tolerance of the printed value.
+    Reproduced,
+    /// Smaller than printed by more than the tolerance.
+    Better,
+    /// Larger than printed by more than the tolerance.
+    Worse,
+    /// Another model than the paper's, or nothing printed.
+    NotComparable,
+    /// Not run, which is no failure.
+    NotRun,
+    /// Crashed, out of time, or refused.
+    Failed,
+}
+
+impl Verdict {
+    /// Returns what tables say.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Reproduced => "reproduced",
+            Self::Better => "better",
+            Self::Worse => "worse",
+            Self::NotComparable => "not comparable",
+            Self::NotRun => "not run",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// Ours against our own recorded value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Regression {
+    /// Nothing is recorded.
+    NotRecorded,
+    /// Not worse than recorded, within its tolerance.
+    Kept,
+    /// Better than recorded by more than the tolerance: record the new value.
+    Improved,
+    /// Worse than recorded by more than the tolerance.
+    Regressed,
+}
+
+/// All that is said about the figures of one row.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Judgement {
+    /// Ours against the printed error.
+    pub verdict: Verdict,
+    /// Our error over the printed one; also where it is not comparable.
+    pub ratio: Option<f64>,
+    /// Ours against our own.
+    pub regression: Regression,
+    /// Our error over our recorded one.
+    pub recorded_ratio: Option<f64>,
+    /// Whether the claim of being more accurate than another row holds, where one is made and
+    /// both rows ran.
+    pub claim_holds: Option<bool>,
+    /// Whether the row has an analysis.
+    pub explained: bool,
+}
+
+impl Judgement {
+    /// Judges the error of a finished row.
+    #[must_use]
+    pub fn of(row: &Row, provenance: Provenance, error: Option<&VertexError>) -> Self {
+        let mut judgement = Self::without_figures(row, Verdict::NotComparable);
+        judgement.ratio = error.and_then(|error| ratio_to_printed(row, error));
+        if let (Provenance::Real, Some(ratio)) = (provenance, judgement.ratio) {
+            judgement.verdict = match ratio {
+                _ if ratio < 1.0 - row.tolerance => Verdict::Better,
+                _ if ratio > 1.0 + row.tolerance => Verdict::Worse,
+                _ => Verdict::Reproduced,
+            };
+        }
+        if let (Some(recorded), Some(error)) = (row.recorded, error) {
+            let ratio = error.mean / recorded.error;
+            judgement.recorded_ratio = Some(ratio);
+            judgement.regression = match ratio {
+                _ if ratio < 1.0 - recorded.tolerance => Regression::Improved,
+                // Written so that a ratio that is not a number counts as regressed.
+                _ if ratio <= 1.0 + recorded.tolerance => Regression::Kept,
+                _ => Regression::Regressed,
+            };
+        }
+        judgement
+    }
+
+    /// Returns the judgement of a row that gave no figures.
+    #[must_use]
+    pub fn without_figures(row: &Row, verdict: Verdict) -> Self {
+        Self {
+            verdict,
+            ratio: None,
+            regression: Regression::NotRecorded,
+            recorded_ratio: None,
+            claim_holds: None,
+            explained: !row.analysis.trim().is_empty(),
+        }
+    }
+
+    /// Returns why this row makes the whole run end with an error, if it does.
+    #[must_use]
+    pub fn failure(&self) -> Option<&'static str> {
+        let differs = matches!(self.verdict, Verdict::Better | Verdict::Worse);
+        match self {
+            _ if self.verdict == Verdict::Failed => Some("failed"),
+            _ if self.regression == Regression::Regressed => Some("worse than our recorded value"),
+            _ if self.claim_holds == Some(false) => Some("not more accurate than it should be"),
+            _ if differs && !self.explained => Some("differs from the paper without an analysis"),
+            _ => None,
+        }
+    }
+}
+
+/// Returns our error over the printed one; for decibels, the ratio of root mean squares.
+fn ratio_to_printed(row: &Row, error: &VertexError) -> Option<f64> {
+    match (row.printed.error, row.printed.psnr_db, error.psnr_db) {
+        (Some(printed), _, _) => Some(error.mean / printed),
+        (None, Some(printed), Some(ours)) => Some(10f64.powf((printed - ours) / 20.0)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::experiment::{Experiment, Recorded};
+
+    pub(crate) fn row(printed: Option<f64>, recorded: Option<f64>, analysis: &str) -> Row {
+        let text = "schema = \"msplines.experiment/1\"\npaper = \"p\"\nitem = \"i\"\ntitle = \
+                    \"t\"\n[[row]]\nid = \"a\"\nlabel = \"A\"\nmethod = \"biharmonic\"\nmodel = \
+                    \"m\"\nknots = \"5\"\n";
+        let mut row = Experiment::parse(text, "p/i.toml")
+            .expect("a good row")
+            .rows
+            .remove(0);
+        row.printed.error = printed;
+        row.tolerance = 0.1;
+        row.recorded = recorded.map(|error| Recorded {
+            error,
+            tolerance: 0.05,
+        });
+        row.analysis = analysis.to_owned();
+        row
+    }
+
+    pub(crate) fn error(mean: f64) -> VertexError {
+        let kind = "vertices".to_owned();
+        VertexError {
+            kind,
+            mean,
+            rms: mean,
+            max: mean,
+            scale: 1.0,
+            psnr_db: Some(30.0),
+        }
+    }
+
+    fn verdict(ours: f64) -> Verdict {
+        Judgement::of(
+            &row(Some(1.0), None, ""),
+            Provenance::Real,
+            Some(&error(ours)),
+        )
+        .verdict
+    }
+
+    #[test]
+    fn a_real_model_is_judged_on_both_sides_of_the_tolerance() {
+        assert_eq!(verdict(0.89), Verdict::Better);
+        assert_eq!(verdict(0.91), Verdict::Reproduced);
+        assert_eq!(verdict(1.09), Verdict::Reproduced);
+        assert_eq!(verdict(1.11), Verdict::Worse);
+    }
+
+    #[test]
+    fn a_difference_fails_only_without_an_analysis() {
+        for ours in [0.5, 2.0] {
+            let judge = |analysis: &str| {
+                Judgement::of(
+                    &row(Some(1.0), None, analysis),
+                    Provenance::Real,
+                    Some(&error(ours)),
+                )
+                .failure()
+            };
+            assert!(judge("").is_some() && judge(" \n").is_some());
+            assert_eq!(judge("their mesh is finer"), None);
+        }
+        assert_eq!(
+            Judgement::of(
+                &row(Some(1.0), None, ""),
+                Provenance::Real,
+                Some(&error(1.0))
+            )
+            .failure(),
+            None
+        );
+    }
+
+    #[test]
+    fn a_stand_in_is_never_judged_against_the_paper() {
+        let judgement = Judgement::of(
+            &row(Some(1.0), None, ""),
+            Provenance::StandIn,
+            Some(&error(9.0)),
+        );
+        assert_eq!(judgement.verdict, Verdict::NotComparable);
+        assert_eq!(judgement.ratio, Some(9.0));
+        assert_eq!(judgement.failure(), None);
+    }
+
+    #[test]
+    fn an_analysis_does_not_excuse_a_regression() {
+        let judge = |ours: f64| {
+            Judgement::of(
+                &row(None, Some(1.0), "why"),
+                Provenance::StandIn,
+                Some(&error(ours)),
+            )
+        };
+        assert_eq!(judge(0.94).regression, Regression::Improved);
+        assert_eq!(judge(1.04).regression, Regression::Kept);
+        assert_eq!(judge(1.06).regression, Regression::Regressed);
+        assert!(judge(1.06).failure().is_some() && judge(f64::NAN).failure().is_some());
+        assert_eq!(judge(0.94).failure(), None);
+    }
+
+    #[test]
+    fn six_decibels_are_a_factor_of_two() {
+        let mut row = row(None, None, "");
+        row.printed.psnr_db = Some(24.0);
+        let ratio = Judgement::of(&row, Provenance::StandIn, Some(&error(1.0)))
+            .ratio
+            .expect("a ratio");
+        assert!((ratio - 0.501).abs() < 1e-3, "{ratio}");
+    }
+
+    #[test]
+    fn what_did_not_run_is_no_failure_but_a_crash_is() {
+        let row = row(Some(1.0), None, "");
+        assert_eq!(
+            Judgement::without_figures(&row, Verdict::NotRun).failure(),
+            None
+        );
+        assert!(
+            Judgement::without_figures(&row, Verdict::Failed)
+                .failure()
+                .is_some()
+        );
+    }
+}
