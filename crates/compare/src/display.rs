@@ -76,6 +76,7 @@ impl Display {
             label: label.to_owned(),
             phase: String::new(),
             phase_started: Instant::now(),
+            phase_first: 0,
             said: Instant::now(),
         }
     }
@@ -89,6 +90,7 @@ pub struct Task {
     label: String,
     phase: String,
     phase_started: Instant,
+    phase_first: u64,
     said: Instant,
 }
 
@@ -99,12 +101,17 @@ impl Task {
         if is_new {
             phase.clone_into(&mut self.phase);
             self.phase_started = Instant::now();
+            self.phase_first = done;
         }
         match &self.bar {
             Some(bar) => show_bar(bar, is_new, (phase, done, total, objective)),
             None if is_new || self.said.elapsed() >= PLAIN_INTERVAL => {
                 self.said = Instant::now();
-                let text = plain_line(phase, done, total, self.phase_started.elapsed());
+                let text = plain_line(
+                    phase,
+                    [self.phase_first, done, total],
+                    self.phase_started.elapsed(),
+                );
                 self.display.line(&format!("{}: {text}", self.label));
             }
             None => {}
@@ -130,6 +137,10 @@ fn show_bar(bar: &ProgressBar, is_new: bool, step: (&str, u64, u64, Option<f64>)
         bar.set_length(total);
     }
     bar.set_position(done);
+    if is_new {
+        // What was done before the first news has no rate.
+        bar.reset_eta();
+    }
     match objective {
         Some(value) => bar.set_message(format!("{phase} ({value:.4e})")),
         None => bar.set_message(phase.to_owned()),
@@ -147,12 +158,14 @@ fn bar_style(known: bool) -> ProgressStyle {
         .progress_chars("=> ")
 }
 
-fn plain_line(phase: &str, done: u64, total: u64, elapsed: Duration) -> String {
+/// Returns what is said about a phase of `[first, done, total]` units, `first` of which were done
+/// when it was first heard of, `elapsed` ago.
+fn plain_line(phase: &str, [first, done, total]: [u64; 3], elapsed: Duration) -> String {
     let seconds = elapsed.as_secs_f64();
-    if done == 0 || total == 0 || seconds <= 0.0 {
+    if done <= first || total == 0 || seconds <= 0.0 {
         return phase.to_owned();
     }
-    let rate = done as f64 / seconds;
+    let rate = (done - first) as f64 / seconds;
     let remaining = total.saturating_sub(done) as f64 / rate;
     format!("{phase} {done}/{total}, {rate:.1} per second, {remaining:.0} s remaining")
 }
@@ -171,9 +184,9 @@ mod tests {
 
     #[test]
     fn a_plain_line_tells_phase_rate_and_remaining_time() {
-        let line = plain_line("select", 30, 120, Duration::from_secs(10));
-        assert_eq!(line, "select 30/120, 3.0 per second, 30 s remaining");
-        assert_eq!(plain_line("read", 0, 0, Duration::ZERO), "read");
+        let line = plain_line("select", [10, 40, 130], Duration::from_secs(10));
+        assert_eq!(line, "select 40/130, 3.0 per second, 30 s remaining");
+        assert_eq!(plain_line("read", [0, 0, 0], Duration::ZERO), "read");
     }
 
     #[test]

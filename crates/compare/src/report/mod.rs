@@ -6,6 +6,7 @@ mod tables;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use comfy_table::ContentArrangement;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 
 use crate::campaign::{CampaignError, Report, RowReport};
@@ -24,6 +25,7 @@ pub fn terminal(report: &Report) -> String {
             }
             let mut drawn = comfy_table::Table::new();
             drawn.load_style(UTF8_FULL_CONDENSED);
+            drawn.set_content_arrangement(ContentArrangement::Dynamic);
             drawn.set_header(&table.header);
             drawn.add_rows(&table.rows);
             let _ = writeln!(text, "{}\n{drawn}", table.title);
@@ -39,14 +41,20 @@ pub fn terminal(report: &Report) -> String {
 /// Returns the items of `paper` as a Markdown page.
 #[must_use]
 pub fn markdown(report: &Report, paper: &str) -> String {
+    let records = report.items.iter().flat_map(|item| &item.rows);
+    let threads = records
+        .filter_map(|row| Some(row.result.record()?.threads))
+        .max();
     let tool = &report.tool;
     let mut text = format!(
-        "# Results: {paper}\n\nWritten by `cargo xtask repro {paper}` (version {}, {}). Errors are \
+        "# Results: {paper}\n\nWritten by `cargo xtask repro {paper}` (version {}, {}, {} threads). Errors are \
          the mean over the vertices, in percent of the bounding-box diagonal; PSNR is per channel. \
          Only models that the paper used are judged; stand-ins and generated surfaces are compared \
          with our own recorded values. T_k is factorisation and knot selection, T_f the fit at the \
          chosen knots.\n",
-        tool.version, tool.rustc
+        tool.version,
+        tool.rustc,
+        threads.unwrap_or(0)
     );
     for item in report.items.iter().filter(|item| item.paper == paper) {
         let _ = writeln!(text, "\n## {}: {}\n", item.item, item.title);

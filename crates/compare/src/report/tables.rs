@@ -32,8 +32,8 @@ pub fn error_table(item: &ItemReport) -> Table {
         "ratio",
         "tolerance",
         "verdict",
-        "ours before",
-        "against it",
+        "recorded",
+        "regression",
     ];
     let rows = item.rows.iter().map(error_cells).collect();
     Table {
@@ -172,14 +172,20 @@ pub fn notes(item: &ItemReport) -> Vec<String> {
     if !item.notes.trim().is_empty() {
         notes.push(one_line(&item.notes));
     }
-    for report in &item.rows {
-        if !report.row.analysis.trim().is_empty() {
+    for rows in item.rows.chunk_by(|a, b| a.row.analysis == b.row.analysis) {
+        if !rows[0].row.analysis.trim().is_empty() {
+            let labels: Vec<&str> = rows
+                .iter()
+                .map(|report| report.row.label.as_str())
+                .collect();
             notes.push(format!(
                 "{}: {}",
-                report.row.label,
-                one_line(&report.row.analysis)
+                labels.join("; "),
+                one_line(&rows[0].row.analysis)
             ));
         }
+    }
+    for report in &item.rows {
         let warnings = report
             .result
             .record()
