@@ -16,8 +16,17 @@ pub(crate) struct Args {
     steps: Vec<String>,
 }
 
-/// Cargo arguments that leave out the package that needs a C++ compiler.
-const WITHOUT_REFERENCE: [&str; 3] = ["--workspace", "--exclude", "msplines-reference"];
+/// Cargo arguments that name the packages: without the C++ bindings where they cannot be built.
+///
+/// Every step names the same packages, because another choice enables other features of common
+/// dependencies, and all of them would be compiled again.
+fn packages() -> Vec<&'static str> {
+    if reference::is_ready() {
+        vec!["--workspace"]
+    } else {
+        vec!["--workspace", "--exclude", reference::PACKAGE]
+    }
+}
 
 /// Arguments of the smoke reproduction: generated surfaces, results apart from those of real runs.
 const SMOKE: [&str; 6] = [
@@ -40,7 +49,7 @@ const STEPS: [Named; 8] = [
     ("clippy", clippy),
     ("tests", tests),
     ("doc-tests", doc_tests),
-    ("reference", reference::run),
+    ("reference", || reference::run(packages())),
     ("smoke", smoke),
 ];
 
@@ -98,7 +107,7 @@ fn clippy() -> Step {
         return Step::not_run("clippy is missing: rustup component add clippy");
     }
     let mut arguments = vec!["clippy", "--quiet", "--all-targets"];
-    arguments.extend(WITHOUT_REFERENCE);
+    arguments.extend(packages());
     arguments.extend(["--", "-D", "warnings"]);
     steps::cargo(&arguments)
 }
@@ -106,13 +115,16 @@ fn clippy() -> Step {
 /// Unit, property, contract and integration tests.
 fn tests() -> Step {
     let mut arguments = steps::test_runner();
-    arguments.extend(WITHOUT_REFERENCE);
+    arguments.extend(packages());
+    if steps::has_nextest() {
+        arguments.extend(["--filterset", reference::OTHERS]);
+    }
     steps::cargo(&arguments)
 }
 
 fn doc_tests() -> Step {
     let mut arguments = vec!["test", "--quiet", "--doc"];
-    arguments.extend(WITHOUT_REFERENCE);
+    arguments.extend(packages());
     steps::cargo(&arguments)
 }
 

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use super::steps::{self, Step};
 use crate::tree;
@@ -17,18 +18,41 @@ const LIBRARIES: [(&str, &str); 4] = [
     ("libsuitesparse-dev", "/usr/include/suitesparse/cholmod.h"),
 ];
 
-/// Runs the tests of `tests/reference`.
-pub(super) fn run() -> Step {
-    let mut missing = missing_packages();
+/// The package of bindings and their tests.
+pub(super) const PACKAGE: &str = "msplines-reference";
+/// nextest's name for the tests of this package.
+const OWN: &str = "package(msplines-reference)";
+/// nextest's name for all other tests.
+pub(super) const OTHERS: &str = "not package(msplines-reference)";
+/// cargo test's names for the tests of this package.
+const TESTS: [&str; 6] = ["--test", "openmesh", "--test", "cgal", "--test", "cholmod"];
+
+/// Returns whether the bindings can be built; on first use installs what is missing, if it may.
+pub(super) fn is_ready() -> bool {
+    static INSTALLED: OnceLock<()> = OnceLock::new();
+    let missing = missing_packages();
     if !missing.is_empty() && may_install() {
-        install(&missing);
-        missing = missing_packages();
+        INSTALLED.get_or_init(|| install(&missing));
     }
-    if !missing.is_empty() {
-        return Step::not_run(format!("apt-get install {}", missing.join(" ")));
+    missing_packages().is_empty()
+}
+
+/// Runs the tests of `tests/reference`, which is among these packages if it can be built.
+pub(super) fn run(packages: Vec<&str>) -> Step {
+    if !is_ready() {
+        return Step::not_run(format!("apt-get install {}", missing_packages().join(" ")));
     }
-    let mut arguments = steps::test_runner();
-    arguments.extend(["--package", "msplines-reference"]);
+    let mut arguments = if steps::has_nextest() {
+        steps::test_runner()
+    } else {
+        vec!["test"]
+    };
+    arguments.extend(packages);
+    if steps::has_nextest() {
+        arguments.extend(["--filterset", OWN]);
+    } else {
+        arguments.extend(TESTS);
+    }
     let step = steps::cargo(&arguments);
     match gather() {
         Ok(()) => step,

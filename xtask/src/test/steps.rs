@@ -132,7 +132,7 @@ fn closes_run(line: &str) -> bool {
 
 /// Returns the cargo arguments that run tests: nextest where it is installed.
 pub(super) fn test_runner() -> Vec<&'static str> {
-    if has_cargo_command("nextest") {
+    if has_nextest() {
         vec!["nextest", "run", "--no-fail-fast", "--status-level", "fail"]
     } else {
         vec![
@@ -144,6 +144,11 @@ pub(super) fn test_runner() -> Vec<&'static str> {
             "--tests",
         ]
     }
+}
+
+/// Returns whether nextest is installed.
+pub(super) fn has_nextest() -> bool {
+    has_cargo_command("nextest")
 }
 
 /// Returns whether cargo knows this command.
