@@ -126,14 +126,15 @@ fn pass_on(stream: impl std::io::Read) -> Vec<String> {
 /// Whether a test runner ends with this line.
 fn closes_run(line: &str) -> bool {
     let line = line.trim_start();
-    line.starts_with("test result:")
+    let ran = !line.contains(" 0 passed; 0 failed");
+    ran && line.starts_with("test result:")
         || (line.starts_with("Summary [") && line.contains("tests run"))
 }
 
 /// Returns the cargo arguments that run tests: nextest where it is installed.
 pub(super) fn test_runner() -> Vec<&'static str> {
     if has_nextest() {
-        vec!["nextest", "run", "--no-fail-fast", "--status-level", "fail"]
+        vec!["nextest", "run", "--no-fail-fast", "--status-level", "slow"]
     } else {
         vec![
             "test",
@@ -188,6 +189,9 @@ mod tests {
             "     Summary [   0.011s] 3 tests run: 3 passed, 0 skipped"
         ));
         assert!(closes_run("test result: ok. 3 passed; 0 failed; 0 ignored"));
+        assert!(!closes_run(
+            "test result: ok. 0 passed; 0 failed; 0 ignored"
+        ));
         assert!(!closes_run("test a_test ... ok"));
     }
 
