@@ -264,20 +264,19 @@ impl pulp::NullaryFnOnce for Backward<'_> {
 /// Returns four scalar products with the same vector, each summed in four lanes.
 #[inline(always)]
 fn dots(columns: [&[f64]; BLOCK], vector: &[f64]) -> [f64; BLOCK] {
-    const LANES: usize = 4;
-    let mut lanes = [[0.0f64; LANES]; BLOCK];
-    let whole = vector.len() / LANES * LANES;
-    let columns = columns.map(|column| &column[..vector.len()]);
-    for start in (0..whole).step_by(LANES) {
-        for (sums, column) in lanes.iter_mut().zip(columns) {
-            for lane in 0..LANES {
-                sums[lane] += column[start + lane] * vector[start + lane];
+    let (blocks, rest) = vector.as_chunks::<4>();
+    let tails = columns.map(|column| &column[4 * blocks.len()..]);
+    let columns = columns.map(|column| &column.as_chunks::<4>().0[..blocks.len()]);
+    let mut lanes = [[0.0f64; 4]; BLOCK];
+    for (at, block) in blocks.iter().enumerate() {
+        for (sums, column) in lanes.iter_mut().zip(&columns) {
+            for lane in 0..4 {
+                sums[lane] += column[at][lane] * block[lane];
             }
         }
     }
     std::array::from_fn(|i| {
-        let rest = dot(&columns[i][whole..], &vector[whole..]);
-        (lanes[i][0] + lanes[i][2]) + (lanes[i][1] + lanes[i][3]) + rest
+        (lanes[i][0] + lanes[i][2]) + (lanes[i][1] + lanes[i][3]) + dot(tails[i], rest)
     })
 }
 
