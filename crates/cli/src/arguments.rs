@@ -114,7 +114,7 @@ pub(crate) struct Biharmonic {
 /// How long knots are optimised.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Effort {
-    /// Elimination only.
+    /// Elimination and one exchange.
     Fast,
     /// Elimination and a few exchanges.
     Standard,
