@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use msplines_compare::campaign::{Campaign, Report};
+use msplines_compare::campaign::{Campaign, Report, Reuse};
 use msplines_compare::display::{Display, Verbosity};
 use msplines_compare::report;
 use msplines_compare::row_process::{RowProgram, answer};
@@ -17,6 +17,8 @@ pub(crate) struct Args {
     paper: Option<String>,
     /// Only this table or figure of it, such as table1.
     item: Option<String>,
+    /// Only this row of it, and the rows it needs.
+    wanted: Option<String>,
     /// Folder of the models; $MSPLINES_MODELS, else data/models, where absent.
     #[arg(long, value_name = "DIR")]
     models: Option<PathBuf>,
@@ -29,9 +31,18 @@ pub(crate) struct Args {
     /// Run rows again that an earlier run finished.
     #[arg(long)]
     fresh: bool,
+    /// Run only rows that failed; take all others as they are stored, from whatever build.
+    #[arg(long, conflicts_with = "fresh")]
+    only_failed: bool,
+    /// Run no row; write the report of those that are stored, from whatever build.
+    #[arg(long, conflicts_with_all = ["fresh", "only_failed"])]
+    stored: bool,
     /// Rows at the same time; with more than one, times are not comparable.
     #[arg(long, value_name = "N", default_value_t = 1)]
     jobs: usize,
+    /// Seconds after which any row is given up, where that is sooner than its own limit.
+    #[arg(long, value_name = "SECONDS")]
+    time_limit: Option<f64>,
     /// Write docs/results as well, which --full does when every row ran; not with an item.
     #[arg(long)]
     write_docs: bool,
@@ -70,12 +81,23 @@ fn campaign(args: &Args, root: &Path) -> Result<Campaign, String> {
         root: root.to_owned(),
         paper: args.paper.clone(),
         item: args.item.clone(),
+        row: args.wanted.clone(),
+        time_limit: args.time_limit,
         models: args.models.clone(),
         full: args.full,
         out: args.out.clone(),
-        fresh: args.fresh,
+        reuse: match (args.fresh, args.only_failed, args.stored) {
+            (true, ..) => Reuse::Nothing,
+            (_, true, _) => Reuse::AllButFailed,
+            (_, _, true) => Reuse::Everything,
+            _ => Reuse::Finished,
+        },
         jobs: args.jobs,
-        program: RowProgram { program, arguments },
+        program: RowProgram {
+            fingerprint: program.clone(),
+            program,
+            arguments,
+        },
     })
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use msplines_compare::case::Amount;
+use msplines_compare::case::{Amount, Knots};
 
 /// Splines on triangle meshes of any shape.
 ///
@@ -99,9 +99,12 @@ pub(crate) struct FitFiles {
 pub(crate) struct Biharmonic {
     #[command(flatten)]
     pub(crate) files: FitFiles,
-    /// Number of knots, or percentage of the vertices: 1500 or 3%.
-    #[arg(long, value_name = "N|P%")]
-    pub(crate) knots: Amount,
+    /// Number of knots, or percentage of the vertices: 1500 or 3%; `all` interpolates every vertex.
+    #[arg(long, value_name = "N|P%|all", required_unless_present = "knots_from")]
+    pub(crate) knots: Option<Knots>,
+    /// Take the vertices nearest to the points of this mesh or point file as knots.
+    #[arg(long, value_name = "FILE", conflicts_with = "knots")]
+    pub(crate) knots_from: Option<PathBuf>,
     /// How long knots are optimised.
     #[arg(long, value_enum, default_value_t = Effort::Standard)]
     pub(crate) effort: Effort,

@@ -1,7 +1,8 @@
 //! `msplines fit` and `msplines evaluate`: thin callers of the harness.
 
 use msplines_biharmonic::Laplacian;
-use msplines_compare::case::{Case, Data, DomainStorage, Input, Method};
+use msplines_compare::case::{Case, Data, DomainStorage, Input, Knots, Method};
+use msplines_compare::error::exit;
 use msplines_compare::input::file_name;
 use msplines_compare::run::{self, Evaluation};
 use msplines_ls_mesh::{Constraints, Selection};
@@ -12,7 +13,7 @@ use crate::session::{Failure, Session};
 /// Fits a spline.
 pub(crate) fn fit(fit: &Fit, session: &Session) -> Result<u8, Failure> {
     let (files, method) = match fit {
-        Fit::Biharmonic(arguments) => (&arguments.files, biharmonic(arguments)),
+        Fit::Biharmonic(arguments) => (&arguments.files, biharmonic(arguments)?),
         Fit::LsMesh(arguments) => (&arguments.files, ls_mesh(arguments)),
     };
     let case = case(files, method, session);
@@ -63,9 +64,19 @@ fn case(files: &FitFiles, method: Method, session: &Session) -> Case {
     }
 }
 
-fn biharmonic(arguments: &crate::arguments::Biharmonic) -> Method {
-    Method::Biharmonic {
-        knots: arguments.knots,
+fn biharmonic(arguments: &crate::arguments::Biharmonic) -> Result<Method, Failure> {
+    let knots = match (&arguments.knots_from, &arguments.knots) {
+        (Some(points), _) => Knots::Near(points.clone()),
+        (None, Some(knots)) => knots.clone(),
+        (None, None) => {
+            return Err(Failure {
+                code: exit::USAGE,
+                text: "give --knots or --knots-from".to_owned(),
+            });
+        }
+    };
+    Ok(Method::Biharmonic {
+        knots,
         effort: match arguments.effort {
             Effort::Fast => msplines_biharmonic::Effort::Fast,
             Effort::Standard => msplines_biharmonic::Effort::Standard,
@@ -76,7 +87,7 @@ fn biharmonic(arguments: &crate::arguments::Biharmonic) -> Method {
         } else {
             Laplacian::Cotangent
         },
-    }
+    })
 }
 
 fn ls_mesh(arguments: &crate::arguments::LsMesh) -> Method {

@@ -25,6 +25,8 @@ pub struct Case {
     pub subdivide: u32,
     /// Whether the two-sided distance between the surfaces is measured as well.
     pub measure_distance: bool,
+    /// Another surface that the distance of the spline is measured to as well.
+    pub reference: Option<PathBuf>,
     /// Files to write: surfaces (`.ply`, `.obj`, `.vtu`, `.glb`) and splines (`.json`).
     pub outputs: Vec<PathBuf>,
     /// How a spline file names its domain.
@@ -42,6 +44,7 @@ impl Case {
             seed: 0,
             subdivide: 0,
             measure_distance: false,
+            reference: None,
             outputs: Vec::new(),
             domain: DomainStorage::Embedded,
         }
@@ -91,8 +94,8 @@ pub enum DomainStorage {
 pub enum Method {
     /// Biharmonic B-spline.
     Biharmonic {
-        /// Number of knots.
-        knots: Amount,
+        /// Where its knots are.
+        knots: Knots,
         /// How long knots are optimised.
         effort: msplines_biharmonic::Effort,
         /// Discrete Laplacian.
@@ -110,9 +113,9 @@ pub enum Method {
 }
 
 impl Method {
-    /// Returns the biharmonic B-spline of `knots` knots with default options.
+    /// Returns the biharmonic B-spline with these knots and default options.
     #[must_use]
-    pub fn biharmonic(knots: Amount) -> Self {
+    pub fn biharmonic(knots: Knots) -> Self {
         let msplines_biharmonic::Options {
             effort, laplacian, ..
         } = Default::default();
@@ -144,6 +147,30 @@ impl Method {
         match self {
             Self::Biharmonic { .. } => "biharmonic",
             Self::LsMesh { .. } => "ls-mesh",
+        }
+    }
+}
+
+/// Where the knots of a biharmonic B-spline are.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Knots {
+    /// So many, at optimised places.
+    Optimised(Amount),
+    /// At every vertex: the spline interpolates.
+    All,
+    /// At the vertices nearest to the points of this file, each vertex once.
+    Near(PathBuf),
+}
+
+impl FromStr for Knots {
+    type Err = AmountError;
+
+    /// Reads `all`, or an [`Amount`].
+    fn from_str(text: &str) -> Result<Self, AmountError> {
+        match text.trim() {
+            "all" => Ok(Self::All),
+            amount => amount.parse().map(Self::Optimised),
         }
     }
 }

@@ -2,9 +2,10 @@
 //! elsewhere, nothing when quiet. Everything goes to standard error.
 
 use std::io::IsTerminal;
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, MultiProgress, ProgressBar, ProgressStyle};
 
 /// Plain lines about a running phase come no faster than this.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(5);
@@ -58,12 +59,32 @@ impl Display {
         }
     }
 
+    /// Starts showing how far `total` tasks are, below their own bars.
+    #[must_use]
+    pub fn overall(&self, total: usize) -> Overall {
+        let bar = match &self.style {
+            Style::Terminal(bars) => {
+                let bar = bars.add(ProgressBar::new(total as u64));
+                bar.set_style(overall_style());
+                bar.enable_steady_tick(TICK);
+                Some(bar)
+            }
+            Style::Quiet | Style::Plain => None,
+        };
+        Overall {
+            display: self.clone(),
+            bar,
+            total,
+            done: Mutex::new(Done::default()),
+        }
+    }
+
     /// Starts showing a task.
     #[must_use]
     pub fn task(&self, label: &str) -> Task {
         let bar = match &self.style {
             Style::Terminal(bars) => {
-                let bar = bars.add(ProgressBar::no_length());
+                let bar = bars.insert(0, ProgressBar::no_length());
                 bar.set_prefix(label.to_owned());
                 bar.enable_steady_tick(TICK);
                 Some(bar)
@@ -79,6 +100,76 @@ impl Display {
             phase_first: 0,
             said: Instant::now(),
         }
+    }
+}
+
+/// How far all tasks are.
+#[derive(Debug)]
+pub struct Overall {
+    display: Display,
+    bar: Option<ProgressBar>,
+    total: usize,
+    done: Mutex<Done>,
+}
+
+/// Tasks that have ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Done {
+    ran: usize,
+    passed_over: usize,
+    seconds: f64,
+}
+
+impl Done {
+    /// Returns what is left of `total` tasks, as if those to come took as long as those so far.
+    fn remaining(self, total: usize) -> Option<Duration> {
+        let left = total.saturating_sub(self.ran + self.passed_over);
+        let each = (self.ran > 0).then(|| self.seconds / self.ran as f64)?;
+        Some(Duration::from_secs_f64(each * left as f64))
+    }
+}
+
+impl Overall {
+    /// Counts a task that ran for so many seconds.
+    pub fn advance(&self, seconds: f64) {
+        let done = self.count(|done| {
+            done.ran += 1;
+            done.seconds += seconds;
+        });
+        let (ended, total) = (done.ran + done.passed_over, self.total);
+        if self.bar.is_none()
+            && let Some(remaining) = done.remaining(total)
+        {
+            let remaining = remaining.as_secs();
+            self.display
+                .line(&format!("{ended} of {total} rows, about {remaining} s remaining"));
+        }
+    }
+
+    /// Counts a task that took no time.
+    pub fn passed_over(&self) {
+        self.count(|done| done.passed_over += 1);
+    }
+
+    /// Ends the bar.
+    pub fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn count(&self, change: impl FnOnce(&mut Done)) -> Done {
+        let mut guard = self.done.lock().unwrap_or_else(|e| e.into_inner());
+        change(&mut guard);
+        let done = *guard;
+        drop(guard);
+        if let Some(bar) = &self.bar {
+            bar.set_position((done.ran + done.passed_over) as u64);
+            if let Some(remaining) = done.remaining(self.total) {
+                bar.set_message(format!("about {} remaining", HumanDuration(remaining)));
+            }
+        }
+        done
     }
 }
 
@@ -147,6 +238,12 @@ fn show_bar(bar: &ProgressBar, is_new: bool, step: (&str, u64, u64, Option<f64>)
     }
 }
 
+fn overall_style() -> ProgressStyle {
+    ProgressStyle::with_template("all rows [{bar:40}] {pos}/{len} {msg}, {elapsed} so far")
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .progress_chars("=> ")
+}
+
 fn bar_style(known: bool) -> ProgressStyle {
     let template = if known {
         "{prefix} {msg:24} [{bar:24}] {pos}/{len} {per_sec} remaining {eta}"
@@ -187,6 +284,17 @@ mod tests {
         let line = plain_line("select", [10, 40, 130], Duration::from_secs(10));
         assert_eq!(line, "select 40/130, 3.0 per second, 30 s remaining");
         assert_eq!(plain_line("read", [0, 0, 0], Duration::ZERO), "read");
+    }
+
+    #[test]
+    fn what_remains_is_told_from_tasks_that_ran() {
+        let done = Done {
+            ran: 2,
+            passed_over: 3,
+            seconds: 10.0,
+        };
+        assert_eq!(done.remaining(9), Some(Duration::from_secs(20)));
+        assert_eq!(Done::default().remaining(9), None);
     }
 
     #[test]

@@ -55,6 +55,14 @@ pub enum RunError {
         /// What is wrong, with place and remedy.
         reason: String,
     },
+    /// A file of points that cannot be the places of knots.
+    #[error("--knots-from {file}: {reason}; give a mesh or point file whose vertices are the places")]
+    KnotPoints {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// An attribute that the file does not have.
     #[error("{file} has no vertex attribute `{name}`; it has: {available}")]
     NoSuchAttribute {
@@ -93,7 +101,7 @@ impl RunError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Amount { .. } | Self::UnknownOutput { .. } | Self::Write { .. } => exit::USAGE,
-            Self::Input { .. } | Self::NoSuchAttribute { .. } => exit::INPUT,
+            Self::Input { .. } | Self::KnotPoints { .. } | Self::NoSuchAttribute { .. } => exit::INPUT,
             Self::Spline(error) => error.exit_code(),
             Self::Biharmonic(_) | Self::LsMesh(_) | Self::Distance(_) | Self::NotFinite { .. } => {
                 exit::METHOD

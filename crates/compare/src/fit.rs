@@ -9,10 +9,10 @@ use msplines_common::progress::{Observer, Outcome, Progress};
 use msplines_ls_mesh as ls_mesh;
 use serde_json::{Value, json};
 
-use crate::case::{Amount, Case, Method};
+use crate::case::{Amount, Case, Knots, Method};
 use crate::clock::PhaseClock;
 use crate::error::RunError;
-use crate::input::{FitData, LoadedInput};
+use crate::input::{FitData, LoadedInput, nearest_vertices};
 use crate::spline_file::StoredSpline;
 
 /// Phases of a fit that a record tells apart.
@@ -63,8 +63,14 @@ pub(crate) fn fit(
             laplacian,
         } => {
             let options = biharmonic::Options {
-                knots: biharmonic::KnotChoice::Optimised {
-                    count: count(knots, "--knots")?,
+                knots: match knots {
+                    Knots::Optimised(amount) => biharmonic::KnotChoice::Optimised {
+                        count: count(amount, "--knots")?,
+                    },
+                    Knots::All => biharmonic::KnotChoice::All,
+                    Knots::Near(points) => {
+                        biharmonic::KnotChoice::Given(nearest_vertices(&input.mesh, points)?)
+                    }
                 },
                 effort: *effort,
                 laplacian: *laplacian,

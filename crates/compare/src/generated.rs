@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 use std::str::FromStr;
 
-use msplines_common::mesh::{TriangleMesh, shapes};
+use msplines_common::mesh::{TriangleMesh, decimate, shapes};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -19,6 +19,14 @@ const VERTICES: usize = 20_000;
 pub enum GeneratedSurface {
     /// A sphere with bumps, genus 0.
     BumpySphere,
+    /// The same with about 5,000 vertices.
+    #[serde(rename = "bumpy-sphere-5k")]
+    BumpySphere5k,
+    /// The same with about 500 vertices.
+    #[serde(rename = "bumpy-sphere-500")]
+    BumpySphere500,
+    /// The same with 8,000 vertices of an irregular mesh.
+    BumpySphereIrregular,
     /// A tube around a torus knot, genus 1.
     TorusKnot,
     /// A surface with two handles.
@@ -31,8 +39,11 @@ pub enum GeneratedSurface {
 
 impl GeneratedSurface {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 8] = [
         Self::BumpySphere,
+        Self::BumpySphere5k,
+        Self::BumpySphere500,
+        Self::BumpySphereIrregular,
         Self::TorusKnot,
         Self::Genus2,
         Self::Genus3,
@@ -44,6 +55,9 @@ impl GeneratedSurface {
     pub fn name(self) -> &'static str {
         match self {
             Self::BumpySphere => "bumpy-sphere",
+            Self::BumpySphere5k => "bumpy-sphere-5k",
+            Self::BumpySphere500 => "bumpy-sphere-500",
+            Self::BumpySphereIrregular => "bumpy-sphere-irregular",
             Self::TorusKnot => "torus-knot",
             Self::Genus2 => "genus-2",
             Self::Genus3 => "genus-3",
@@ -56,12 +70,21 @@ impl GeneratedSurface {
     pub fn mesh(self) -> TriangleMesh {
         match self {
             Self::BumpySphere => shapes::bumpy_sphere(VERTICES),
+            Self::BumpySphere5k => shapes::bumpy_sphere(5_000),
+            Self::BumpySphere500 => shapes::bumpy_sphere(500),
+            Self::BumpySphereIrregular => irregular(&shapes::bumpy_sphere(2 * VERTICES), 8_000),
             Self::TorusKnot => shapes::torus_knot(2, 3, VERTICES),
             Self::Genus2 => shapes::genus(2, VERTICES),
             Self::Genus3 => shapes::genus(3, VERTICES),
             Self::Genus8 => shapes::genus(8, VERTICES),
         }
     }
+}
+
+/// Returns a mesh of fewer vertices that follows curvature instead of a pattern.
+fn irregular(mesh: &TriangleMesh, vertices: usize) -> TriangleMesh {
+    // A closed surface can always be decimated to so many vertices; the pattern would stay else.
+    decimate(mesh, vertices).map_or_else(|_| mesh.clone(), |decimated| decimated.mesh)
 }
 
 impl fmt::Display for GeneratedSurface {
@@ -83,7 +106,9 @@ impl FromStr for GeneratedSurface {
 
 /// No surface of this name can be generated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no surface `{name}`; there are bumpy-sphere, torus-knot, genus-2, genus-3 and genus-8")]
+#[error(
+    "no surface `{name}`; there are bumpy-sphere (also -5k, -500, -irregular), torus-knot, genus-2, genus-3 and genus-8"
+)]
 pub struct UnknownSurface {
     /// The name.
     pub name: String,
@@ -136,7 +161,7 @@ mod tests {
 
     #[test]
     fn generated_surfaces_have_the_genus_of_their_names() {
-        let genera = [0, 1, 2, 3, 8];
+        let genera = [0, 0, 0, 0, 1, 2, 3, 8];
         for (surface, genus) in GeneratedSurface::ALL.into_iter().zip(genera) {
             let mesh = surface.mesh();
             assert!(mesh.topology().boundary_loops().is_empty());

@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use msplines_common::Point3;
 use msplines_common::mesh::{Facts, Policy, PolygonSoup, TriangleMesh, VertexAttribute, accept};
 use msplines_io::{read_soup, sha256_file};
+use rayon::prelude::*;
 
 use crate::case::{Data, Input};
 use crate::clock::PhaseClock;
@@ -77,6 +79,14 @@ pub fn load(input: &Input, clock: &mut PhaseClock) -> Result<LoadedInput, RunErr
     };
     clock.leave();
     Ok(loaded)
+}
+
+/// Returns the mesh of an input.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_mesh(input: &Input) -> Result<TriangleMesh, RunError> {
+    Ok(load(input, &mut PhaseClock::start(std::time::Instant::now()))?.mesh)
 }
 
 /// Returns the domain of a stored spline: the embedded mesh, or the given file where it has the
@@ -227,6 +237,40 @@ fn missing_attribute(name: &str, input: &LoadedInput) -> RunError {
             names.join(", ")
         },
     }
+}
+
+/// Returns the vertices of `mesh` nearest to the vertices of the file `points`, in increasing order
+/// and each once. Cost: points times vertices.
+///
+/// # Errors
+/// A file that cannot be read, or whose points are none or not finite.
+pub fn nearest_vertices(mesh: &TriangleMesh, points: &Path) -> Result<Vec<u32>, RunError> {
+    let refused = |reason: String| RunError::KnotPoints {
+        file: file_name(points),
+        reason,
+    };
+    let soup = read_soup(points).map_err(|e| refused(e.to_string()))?;
+    if soup.positions.is_empty() {
+        return Err(refused("it has no points".to_owned()));
+    }
+    let finite = |p: &Point3<f64>| p.iter().all(|x| x.is_finite());
+    if let Some(index) = soup.positions.iter().position(|p| !finite(p)) {
+        return Err(refused(format!("point {index} is not finite")));
+    }
+    let nearest = |point: &Point3<f64>| {
+        let mut best = (f64::INFINITY, 0);
+        for (vertex, position) in mesh.positions().iter().enumerate() {
+            let squared = (position - point).norm_squared();
+            if squared < best.0 {
+                best = (squared, vertex as u32);
+            }
+        }
+        best.1
+    };
+    let mut vertices: Vec<u32> = soup.positions.par_iter().map(nearest).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    Ok(vertices)
 }
 
 /// Returns bytes as lower-case hexadecimal digits.

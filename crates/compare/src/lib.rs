@@ -14,6 +14,7 @@ pub mod experiment;
 mod fit;
 pub mod generated;
 pub mod input;
+pub mod machine;
 pub mod measure;
 pub mod models;
 pub mod output;

@@ -1,14 +1,18 @@
 //! The measures of a run, in the shape of its record.
 
+use std::path::Path;
+
 use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::metrics::{
     Distance, UnitCubeError, VertexError, distance, unit_cube_error, vertex_error,
 };
 
-use crate::case::Data;
+use serde_json::{Value, json};
+
+use crate::case::{Data, Input};
 use crate::error::RunError;
-use crate::input::{FitData, LoadedInput};
+use crate::input::{FitData, LoadedInput, load_mesh};
 use crate::spline_file::StoredSpline;
 
 /// Points drawn from each surface.
@@ -79,4 +83,32 @@ pub fn surface_distance(
         coarser = Some(found);
         rounds += 1;
     }
+}
+
+/// Returns the two-sided distance between the spline, `values` at the vertices of `mesh`, and the
+/// surface in the file `reference`, as a fraction of the diagonal of `input`.
+///
+/// # Errors
+/// A file that is no mesh, or a surface without area.
+pub fn to_reference(
+    reference: &Path,
+    input: &TriangleMesh,
+    mesh: &TriangleMesh,
+    values: &[f64],
+    seed: u64,
+) -> Result<[(String, Value); 3], RunError> {
+    let path = reference.to_owned();
+    let other = load_mesh(&Input::File {
+        path,
+        repair: false,
+    })?;
+    let positions = values.chunks_exact(3).map(Point3::from_slice).collect();
+    let found = distance(&other, &mesh.with_positions(positions), SAMPLES, seed)?;
+    let scale = other.diagonal() / input.diagonal();
+    let named = [
+        ("reference_mean", found.mean),
+        ("reference_rms", found.rms),
+        ("reference_max", found.max),
+    ];
+    Ok(named.map(|(name, value)| (name.to_owned(), json!(scale * value))))
 }

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use msplines_io::sha256_file;
 use serde::{Deserialize, Serialize};
 
-use crate::experiment::ExperimentError;
+use crate::experiment::{ExperimentError, ViewHint};
 
 /// The schema of [`Manifest`].
 pub const MODELS_SCHEMA: &str = "msplines.models/1";
 
 /// All models, as `data/models.toml` lists them.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
     /// Always [`MODELS_SCHEMA`].
@@ -22,7 +22,7 @@ pub struct Manifest {
 }
 
 /// One model.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Model {
     /// Name in experiments.
@@ -49,6 +49,8 @@ pub struct Model {
     pub terms: String,
     /// What was done to it.
     pub processing: String,
+    /// Where it is best seen from.
+    pub view: Option<ViewHint>,
 }
 
 /// Where the mesh of a row comes from.

@@ -7,6 +7,7 @@ use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_io::{Surface, write_atomically, write_surface};
 
 use crate::error::RunError;
+use crate::run::RunOutput;
 use crate::spline_file::SplineFile;
 
 /// Extensions that surfaces are written to.
@@ -92,6 +93,41 @@ pub fn write_outputs(
         }
     }
     Ok(())
+}
+
+/// File of a row that holds its surface, or its domain with the fitted data as attributes.
+pub const ROW_SURFACE: &str = "surface.ply";
+/// File of a row that holds the places of its knots or control vertices on the domain.
+pub const ROW_KNOTS: &str = "knots.ply";
+
+/// Writes what pictures of a run are drawn from, and what later rows may start from, into
+/// `folder`.
+///
+/// # Errors
+/// A folder or file that cannot be written.
+pub fn write_row_files(folder: &Path, output: &RunOutput) -> Result<(), RunError> {
+    let refused = |reason: String| RunError::Write {
+        path: folder.to_owned(),
+        reason,
+    };
+    std::fs::create_dir_all(folder).map_err(|e| refused(e.to_string()))?;
+    let surface = [folder.join(ROW_SURFACE)];
+    write_outputs(
+        &surface,
+        &output.spline,
+        &output.mesh,
+        &output.values,
+        &output.names,
+    )?;
+    // The vertices of the domain come first on every subdivision.
+    let places = output.spline.spline.knots().iter();
+    let positions: Vec<Point3<f64>> = places.map(|&v| output.mesh.positions()[v as usize]).collect();
+    let points = Surface {
+        positions: &positions,
+        faces: &[],
+        attributes: &[],
+    };
+    write_surface(&folder.join(ROW_KNOTS), &points).map_err(|e| refused(e.to_string()))
 }
 
 fn attributes(values: &[f64], names: &[String]) -> Vec<VertexAttribute> {

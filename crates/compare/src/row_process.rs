@@ -2,6 +2,7 @@
 //!
 //! The parent writes a [`RowRequest`] and starts the program with the paths of request and answer;
 //! the child runs it ([`answer`]), prints its progress as JSON lines and writes the [`RowAnswer`].
+//! What pictures are drawn from is written after the run, outside of its times.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::ops::ControlFlow;
@@ -13,6 +14,7 @@ use msplines_common::progress::Progress;
 use serde::{Deserialize, Serialize};
 
 use crate::case::Case;
+use crate::output::write_row_files;
 use crate::record::Record;
 use crate::run::run;
 
@@ -28,6 +30,8 @@ pub struct RowProgram {
     pub program: PathBuf,
     /// What makes it run a row.
     pub arguments: Vec<String>,
+    /// The file whose bytes tell one build of the program from another.
+    pub fingerprint: PathBuf,
 }
 
 /// What the child is asked.
@@ -37,6 +41,8 @@ pub struct RowRequest {
     pub case: Case,
     /// Number of threads.
     pub threads: usize,
+    /// Folder for what pictures are drawn from: [`crate::output::write_row_files`].
+    pub files: PathBuf,
 }
 
 /// What the child answers.
@@ -58,6 +64,32 @@ pub struct RowProgress {
     pub done: u64,
     /// Work of this phase, 0 where unknown.
     pub total: u64,
+    /// What is minimised, where there is such a thing.
+    pub objective: Option<f64>,
+}
+
+impl RowProgress {
+    /// Returns what has been reached by now, in a row that started at `started`.
+    #[must_use]
+    pub fn history_point(&self, started: Instant) -> Option<HistoryPoint> {
+        Some(HistoryPoint {
+            seconds: started.elapsed().as_secs_f64(),
+            phase: self.phase.clone(),
+            objective: self.objective.filter(|value| value.is_finite())?,
+        })
+    }
+}
+
+/// What a running optimisation had reached.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HistoryPoint {
+    /// Seconds since the row was started.
+    pub seconds: f64,
+    /// The phase.
+    pub phase: String,
+    /// What is minimised: the root mean square of the error, in the units of the data.
+    pub objective: f64,
 }
 
 /// Runs `request` in a process of its own, reporting its progress to `show`.
@@ -154,7 +186,7 @@ pub fn answer(asked: &Path, answered: &Path, process_start: Instant) -> std::io:
         .num_threads(request.threads)
         .build_global();
     let answer = match pool {
-        Ok(()) => run_and_print(&request.case, process_start),
+        Ok(()) => run_and_print(&request, process_start),
         Err(error) => RowAnswer::Error(error.to_string()),
     };
     let written = answered.with_extension("part");
@@ -162,16 +194,14 @@ pub fn answer(asked: &Path, answered: &Path, process_start: Instant) -> std::io:
     std::fs::rename(&written, answered)
 }
 
-fn run_and_print(case: &Case, process_start: Instant) -> RowAnswer {
+fn run_and_print(request: &RowRequest, process_start: Instant) -> RowAnswer {
     let mut out = std::io::stdout().lock();
     let mut print = |progress: &Progress| {
-        let Progress {
-            phase, done, total, ..
-        } = *progress;
         let step = RowProgress {
-            phase: phase.to_owned(),
-            done,
-            total,
+            phase: progress.phase.to_owned(),
+            done: progress.done,
+            total: progress.total,
+            objective: progress.objective,
         };
         if let Ok(text) = serde_json::to_string(&step) {
             // A parent that has gone away is no reason to stop.
@@ -179,8 +209,12 @@ fn run_and_print(case: &Case, process_start: Instant) -> RowAnswer {
         }
         ControlFlow::Continue(())
     };
-    match run(case, process_start, &mut print) {
-        Ok(output) => RowAnswer::Record(Box::new(output.record)),
+    let ended = run(&request.case, process_start, &mut print).and_then(|output| {
+        write_row_files(&request.files, &output)?;
+        Ok(output.record)
+    });
+    match ended {
+        Ok(record) => RowAnswer::Record(Box::new(record)),
         Err(error) => RowAnswer::Error(error.to_string()),
     }
 }
@@ -188,7 +222,7 @@ fn run_and_print(case: &Case, process_start: Instant) -> RowAnswer {
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
-    use crate::case::{Amount, Input, Method};
+    use crate::case::{Amount, Input, Knots, Method};
     use crate::generated::GeneratedSurface;
     use crate::record::tests::sample;
 
@@ -197,13 +231,18 @@ mod tests {
         RowProgram {
             program: "/bin/sh".into(),
             arguments,
+            fingerprint: "/bin/sh".into(),
         }
     }
 
     fn row(script: &str, limit: f64) -> (Result<Record, String>, Vec<RowProgress>) {
         let input = Input::Surface(GeneratedSurface::Genus2);
-        let case = Case::new(input, Method::biharmonic(Amount::Count(5)));
-        let request = RowRequest { case, threads: 1 };
+        let knots = Knots::Optimised(Amount::Count(5));
+        let request = RowRequest {
+            case: Case::new(input, Method::biharmonic(knots)),
+            threads: 1,
+            files: "nowhere".into(),
+        };
         let mut steps = Vec::new();
         let limit = Duration::from_secs_f64(limit);
         let result = run_row(&shell(script), &request, limit, &mut |step| {
@@ -226,7 +265,8 @@ mod tests {
             [RowProgress {
                 phase: "fit".to_owned(),
                 done: 1,
-                total: 2
+                total: 2,
+                objective: None,
             }]
         );
     }

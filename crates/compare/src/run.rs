@@ -29,6 +29,8 @@ pub struct RunOutput {
     pub mesh: TriangleMesh,
     /// Values of the spline there, `[vertex][component]`, as evaluated from the stored form.
     pub values: Vec<f64>,
+    /// Names of the components, `x, y, z` for positions.
+    pub names: Vec<String>,
 }
 
 /// Runs a case and writes its outputs.
@@ -59,12 +61,15 @@ pub fn run(
         let found = measure::surface_distance(&fitted.stored, &input.mesh, case.seed)?;
         measured.distance = Some(found);
     }
+    let mut checks = fitted.checks;
+    if let Some(path) = &case.reference {
+        checks.extend(measure::to_reference(path, &input.mesh, &mesh, &values, case.seed)?);
+    }
     let options = options(case, &fitted.options);
     let spline = SplineFile::new(domain(case, &input), options, fitted.stored);
     enter("write", &mut clock, observer);
     write_outputs(&case.outputs, &spline, &mesh, &values, &data.names)?;
     clock.leave();
-    let mut checks = fitted.checks;
     checks.insert("evaluated_points".to_owned(), json!(mesh.vertex_count()));
     let summary = Summary {
         checks,
@@ -79,6 +84,7 @@ pub fn run(
         spline,
         mesh,
         values,
+        names: data.names,
     })
 }
 
@@ -148,6 +154,7 @@ pub fn evaluate(
         spline,
         mesh,
         values,
+        names,
     })
 }
 

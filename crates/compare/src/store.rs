@@ -1,34 +1,57 @@
-//! Finished rows on disk, so that a run that was killed continues where it stopped.
+//! Ended rows on disk, so that a run that was killed continues where it stopped.
+//!
+//! A row is one file `KEY.json` and, where it has any, a folder `KEY` with the files that pictures
+//! are drawn from. The key is the hash of what is asked; the file says which program answered.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use msplines_io::sha256_file;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::case::{Case, Input};
-use msplines_io::sha256_file;
-
+use crate::case::{Case, Input, Knots, Method};
 use crate::input::{file_name, hexadecimal};
-use crate::record::{Record, Tool};
+use crate::machine::Machine;
+use crate::row_process::{HistoryPoint, RowAnswer};
 
 /// The schema of a stored row.
-pub const ROW_SCHEMA: &str = "msplines.row/1";
+pub const ROW_SCHEMA: &str = "msplines.row/2";
 
-/// Finished rows in a folder, each in a file named by the hash of everything that matters to it.
+/// Ended rows in a folder.
 #[derive(Clone, Debug)]
 pub struct RowStore {
     folder: PathBuf,
+    program: String,
 }
 
-/// One stored row.
+/// A row that has ended.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EndedRow {
+    /// Its record, or why there is none.
+    pub answer: RowAnswer,
+    /// What the optimisation minimised, over time.
+    pub history: Vec<HistoryPoint>,
+    /// Seconds that the row took in all, with what is kept for pictures.
+    pub seconds: f64,
+    /// Where it ran.
+    pub machine: Machine,
+}
+
+/// One file of the store.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Entry {
     schema: String,
     key: String,
-    /// SHA-256 of the record as JSON: a file system that loses bytes is found out.
+    /// SHA-256 of the program that answered, as uncommitted changes do not show in its version.
+    program: String,
+    /// SHA-256 of the row as JSON: a file system that loses bytes is found out.
     digest: String,
-    record: Record,
+    /// SHA-256 of the files in the folder of the row.
+    files: BTreeMap<String, String>,
+    row: EndedRow,
 }
 
 /// What the store has for a key.
@@ -36,22 +59,31 @@ struct Entry {
 pub enum Stored {
     /// Nothing.
     Nothing,
-    /// The record of a finished row.
-    Finished(Box<Record>),
+    /// A row that this program ended.
+    Ended(Box<EndedRow>),
+    /// A row that another build of the program ended.
+    Stale(Box<EndedRow>),
     /// A damaged file, now set aside under this name.
     Damaged(PathBuf),
 }
 
 impl RowStore {
-    /// Opens the store in `folder`, which is made where it is missing.
+    /// Opens the store in `folder`, which is made where it is missing, for the rows of `program`.
     ///
     /// # Errors
-    /// A folder that cannot be made.
-    pub fn open(folder: &Path) -> std::io::Result<Self> {
+    /// A folder that cannot be made, or a program that cannot be read.
+    pub fn open(folder: &Path, program: &Path) -> std::io::Result<Self> {
         std::fs::create_dir_all(folder)?;
         Ok(Self {
             folder: folder.to_owned(),
+            program: sha256_file(program)?,
         })
+    }
+
+    /// Returns the folder for the files of a row.
+    #[must_use]
+    pub fn files(&self, key: &str) -> PathBuf {
+        self.folder.join(key)
     }
 
     /// Returns what is stored under `key`, and sets a damaged file aside.
@@ -67,105 +99,190 @@ impl RowStore {
             }
             Err(error) => return Err(error),
         };
-        if let Some(record) = intact_record(&bytes, key) {
-            return Ok(Stored::Finished(Box::new(record)));
+        match self.intact(&bytes, key) {
+            Some(entry) if entry.program == self.program => Ok(Stored::Ended(Box::new(entry.row))),
+            Some(entry) => Ok(Stored::Stale(Box::new(entry.row))),
+            None => {
+                let aside = path.with_extension("damaged");
+                std::fs::rename(&path, &aside)?;
+                Ok(Stored::Damaged(aside))
+            }
         }
-        let aside = path.with_extension("damaged");
-        std::fs::rename(&path, &aside)?;
-        Ok(Stored::Damaged(aside))
     }
 
-    /// Stores a finished row: all of it or, if the process dies meanwhile, nothing.
+    /// Stores a row with the files that lie in `files`: all of it or, if the process dies
+    /// meanwhile, nothing. The folder is moved.
     ///
     /// # Errors
-    /// A file that cannot be written.
-    pub fn save(&self, key: &str, record: &Record) -> std::io::Result<()> {
+    /// A file that cannot be read or written.
+    pub fn save(&self, key: &str, row: &EndedRow, files: &Path) -> std::io::Result<()> {
+        let path = self.path(key);
+        remove(std::fs::remove_file(&path))?;
+        remove(std::fs::remove_dir_all(self.files(key)))?;
+        if files.is_dir() {
+            std::fs::rename(files, self.files(key))?;
+        }
         let entry = Entry {
             schema: ROW_SCHEMA.to_owned(),
             key: key.to_owned(),
-            digest: record_digest(record)?,
-            record: record.clone(),
+            program: self.program.clone(),
+            digest: digest(row)?,
+            files: digests(&self.files(key))?,
+            row: row.clone(),
         };
         let mut file = tempfile::NamedTempFile::new_in(&self.folder)?;
         serde_json::to_writer_pretty(&mut file, &entry)?;
         file.as_file().sync_all()?;
-        file.persist(self.path(key))?;
+        file.persist(path)?;
         Ok(())
     }
 
     fn path(&self, key: &str) -> PathBuf {
         self.folder.join(format!("{key}.json"))
     }
+
+    fn intact(&self, bytes: &[u8], key: &str) -> Option<Entry> {
+        let entry: Entry = serde_json::from_slice(bytes).ok()?;
+        let intact = entry.schema == ROW_SCHEMA
+            && entry.key == key
+            && digest(&entry.row).is_ok_and(|digest| digest == entry.digest)
+            && digests(&self.files(key)).is_ok_and(|files| files == entry.files);
+        intact.then_some(entry)
+    }
 }
 
-fn intact_record(bytes: &[u8], key: &str) -> Option<Record> {
-    let entry: Entry = serde_json::from_slice(bytes).ok()?;
-    let intact = entry.schema == ROW_SCHEMA
-        && entry.key == key
-        && record_digest(&entry.record).is_ok_and(|digest| digest == entry.digest);
-    intact.then_some(entry.record)
+/// Takes a file that was not there for removed.
+fn remove(removed: std::io::Result<()>) -> std::io::Result<()> {
+    match removed {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        other => other,
+    }
 }
 
-fn record_digest(record: &Record) -> serde_json::Result<String> {
-    Ok(hexadecimal(&Sha256::digest(serde_json::to_vec(record)?)))
+fn digest(row: &EndedRow) -> serde_json::Result<String> {
+    Ok(hexadecimal(&Sha256::digest(serde_json::to_vec(row)?)))
 }
 
-/// Returns the hash of everything that the figures of a row depend on: the case without its
-/// folders, the digest of its input, the program that runs it and the number of threads.
+/// Returns the digests of the files of a folder, none where it is missing.
+fn digests(folder: &Path) -> std::io::Result<BTreeMap<String, String>> {
+    let mut digests = BTreeMap::new();
+    if !folder.is_dir() {
+        return Ok(digests);
+    }
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        digests.insert(file_name(&path), sha256_file(&path)?);
+    }
+    Ok(digests)
+}
+
+/// Returns the hash of what is asked of a row: the case without its folders, the digests of the
+/// files that it reads, and the number of threads.
 ///
 /// # Errors
-/// A program that cannot be read.
-pub fn row_key(
-    case: &Case,
-    input_digest: &str,
-    program: &Path,
-    threads: usize,
-) -> std::io::Result<String> {
+/// A file of another row that cannot be read.
+pub fn row_key(case: &Case, input_digest: &str, threads: usize) -> std::io::Result<String> {
     let mut case = case.clone();
     if let Input::File { path, .. } = &mut case.input {
         *path = file_name(path).into();
     }
-    // The digest of the program, as uncommitted changes do not show in its version.
+    let mut files = Vec::new();
+    if let Method::Biharmonic {
+        knots: Knots::Near(points),
+        ..
+    } = &mut case.method
+    {
+        files.push(sha256_file(points)?);
+        *points = file_name(points).into();
+    }
+    if let Some(reference) = &mut case.reference {
+        files.push(sha256_file(reference)?);
+        *reference = file_name(reference).into();
+    }
     let parts = serde_json::json!({
         "schema": ROW_SCHEMA,
         "case": case,
         "input": input_digest,
-        "tool": Tool::this(),
-        "program": sha256_file(program)?,
+        "files": files,
         "threads": threads,
     });
-    Ok(hexadecimal(&Sha256::digest(serde_json::to_vec(&parts)?)))
+    let digest = Sha256::digest(serde_json::to_vec(&parts)?);
+    Ok(hexadecimal(&digest[..16]))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::case::{Amount, Method};
+    use crate::case::Amount;
     use crate::record::tests::sample;
 
-    fn store() -> (tempfile::TempDir, RowStore) {
+    fn row() -> EndedRow {
+        EndedRow {
+            answer: RowAnswer::Record(Box::new(sample())),
+            history: vec![HistoryPoint {
+                seconds: 0.5,
+                phase: "select".to_owned(),
+                objective: 0.25,
+            }],
+            seconds: 2.0,
+            machine: Machine::this(),
+        }
+    }
+
+    struct Place {
+        folder: tempfile::TempDir,
+        store: RowStore,
+    }
+
+    fn place() -> Place {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let store = RowStore::open(&folder.path().join("rows")).expect("opened");
-        (folder, store)
+        let program = folder.path().join("program");
+        std::fs::write(&program, "one").expect("written");
+        let store = RowStore::open(&folder.path().join("rows"), &program).expect("opened");
+        Place { folder, store }
+    }
+
+    impl Place {
+        fn save(&self, key: &str) {
+            let files = self.folder.path().join("files");
+            std::fs::create_dir_all(&files).expect("made");
+            std::fs::write(files.join("surface.ply"), "ply").expect("written");
+            self.store.save(key, &row(), &files).expect("saved");
+        }
+
+        fn load(&self, key: &str) -> Stored {
+            self.store.load(key).expect("readable")
+        }
     }
 
     #[test]
-    fn a_finished_row_is_found_again_and_no_other() {
-        let (_folder, store) = store();
-        assert_eq!(store.load("k").expect("readable"), Stored::Nothing);
-        store.save("k", &sample()).expect("saved");
-        assert_eq!(
-            store.load("k").expect("readable"),
-            Stored::Finished(Box::new(sample()))
-        );
-        assert_eq!(store.load("other").expect("readable"), Stored::Nothing);
+    fn an_ended_row_is_found_again_with_its_files_and_no_other() {
+        let place = place();
+        assert_eq!(place.load("k"), Stored::Nothing);
+        place.save("k");
+        place.save("k");
+        assert_eq!(place.load("k"), Stored::Ended(Box::new(row())));
+        assert!(place.store.files("k").join("surface.ply").is_file());
+        assert_eq!(place.load("other"), Stored::Nothing);
+    }
+
+    #[test]
+    fn a_row_of_another_program_is_stale() {
+        let place = place();
+        place.save("k");
+        let program = place.folder.path().join("program");
+        std::fs::write(&program, "two").expect("written");
+        let rows = place.folder.path().join("rows");
+        let store = RowStore::open(&rows, &program).expect("opened");
+        let found = store.load("k").expect("readable");
+        assert_eq!(found, Stored::Stale(Box::new(row())));
     }
 
     #[test]
     fn every_damage_is_set_aside_and_the_row_runs_again() {
-        let (_folder, store) = store();
-        store.save("k", &sample()).expect("saved");
-        let path = store.path("k");
+        let place = place();
+        place.save("k");
+        let path = place.store.path("k");
         let good = std::fs::read(&path).expect("stored");
         let flipped = String::from_utf8(good.clone())
             .expect("text")
@@ -173,47 +290,52 @@ mod tests {
         assert_ne!(flipped.as_bytes(), good);
         for bad in [&good[..good.len() / 2], b"", flipped.as_bytes()] {
             std::fs::write(&path, bad).expect("written");
-            assert!(matches!(
-                store.load("k").expect("readable"),
-                Stored::Damaged(_)
-            ));
-            assert_eq!(store.load("k").expect("readable"), Stored::Nothing);
+            assert!(matches!(place.load("k"), Stored::Damaged(_)));
+            assert_eq!(place.load("k"), Stored::Nothing);
         }
-        std::fs::rename(path.with_extension("damaged"), store.path("other")).expect("renamed");
-        std::fs::write(store.path("other"), &good).expect("written");
-        assert!(matches!(
-            store.load("other").expect("readable"),
-            Stored::Damaged(_)
-        ));
+        std::fs::write(place.store.path("other"), &good).expect("written");
+        assert!(matches!(place.load("other"), Stored::Damaged(_)));
+    }
+
+    #[test]
+    fn a_lost_or_changed_file_of_a_row_is_a_damage() {
+        let place = place();
+        place.save("k");
+        std::fs::write(place.store.files("k").join("surface.ply"), "other").expect("written");
+        assert!(matches!(place.load("k"), Stored::Damaged(_)));
+        place.save("k");
+        std::fs::remove_dir_all(place.store.files("k")).expect("removed");
+        assert!(matches!(place.load("k"), Stored::Damaged(_)));
     }
 
     #[test]
     fn the_key_changes_with_all_that_matters_but_not_with_folders() {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let program = folder.path().join("program");
-        std::fs::write(&program, "one").expect("written");
-        let input = |path: &str| Input::File {
-            path: path.into(),
-            repair: false,
+        let case = |path: &str| {
+            let input = Input::File {
+                path: path.into(),
+                repair: false,
+            };
+            let knots = Knots::Optimised(Amount::Count(5));
+            Case::new(input, Method::biharmonic(knots))
         };
-        let case = |path: &str| Case::new(input(path), Method::biharmonic(Amount::Count(5)));
-        let key = |case: &Case, sha: &str, threads| {
-            row_key(case, sha, &program, threads).expect("a readable program")
-        };
+        let key = |case: &Case, sha: &str, threads| row_key(case, sha, threads).expect("readable");
         let base = key(&case("a/m.ply"), "00", 2);
         assert_eq!(key(&case("b/m.ply"), "00", 2), base);
-        let mut more = case("a/m.ply");
-        more.method = Method::biharmonic(Amount::Count(6));
+        let mut others = vec![key(&case("a/m.ply"), "01", 2), key(&case("a/m.ply"), "00", 1)];
         let mut seeded = case("a/m.ply");
         seeded.seed = 1;
-        let mut others = vec![
-            key(&more, "00", 2),
-            key(&seeded, "00", 2),
-            key(&case("a/m.ply"), "01", 2),
-            key(&case("a/m.ply"), "00", 1),
-        ];
-        std::fs::write(&program, "two").expect("written");
-        others.push(key(&case("a/m.ply"), "00", 2));
-        assert!(others.iter().all(|other| *other != base));
+        others.push(key(&seeded, "00", 2));
+        let points = folder.path().join("knots.ply");
+        let mut placed = case("a/m.ply");
+        placed.method = Method::biharmonic(Knots::Near(points.clone()));
+        for text in ["one", "two"] {
+            std::fs::write(&points, text).expect("written");
+            others.push(key(&placed, "00", 2));
+        }
+        others.push(base);
+        others.sort();
+        others.dedup();
+        assert_eq!(others.len(), 6);
     }
 }

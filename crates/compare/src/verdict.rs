@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::experiment::Row;
 use crate::models::Provenance;
+use crate::record::Record;
 
 /// Ours against the printed error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,8 +57,27 @@ pub enum Regression {
     Regressed,
 }
 
+/// A value of a record and what it must not exceed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bound {
+    /// Where it stands in the record, such as `error.max`.
+    pub quantity: String,
+    /// The bound.
+    pub at_most: f64,
+    /// The value, where the record has it.
+    pub value: Option<f64>,
+}
+
+impl Bound {
+    /// Returns whether the value is there and not above the bound.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.value.is_some_and(|value| value <= self.at_most)
+    }
+}
+
 /// All that is said about the figures of one row.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Judgement {
     /// Ours against the printed error.
     pub verdict: Verdict,
@@ -70,14 +90,31 @@ pub struct Judgement {
     /// Whether the claim of being more accurate than another row holds, where one is made and
     /// both rows ran.
     pub claim_holds: Option<bool>,
+    /// The bounds of `at_most`.
+    pub bounds: Vec<Bound>,
     /// Whether the row has an analysis.
     pub explained: bool,
 }
 
 impl Judgement {
-    /// Judges the error of a finished row.
+    /// Judges a finished row.
     #[must_use]
-    pub fn of(row: &Row, provenance: Provenance, error: Option<&VertexError>) -> Self {
+    pub fn of(row: &Row, provenance: Provenance, record: &Record) -> Self {
+        let mut judgement = Self::of_error(row, provenance, record.error.as_ref());
+        let values = serde_json::to_value(record).unwrap_or_default();
+        let bounds = row.at_most.iter().map(|(quantity, &at_most)| Bound {
+            quantity: quantity.clone(),
+            at_most,
+            value: quantity
+                .split('.')
+                .try_fold(&values, |value, field| value.get(field))
+                .and_then(serde_json::Value::as_f64),
+        });
+        judgement.bounds = bounds.collect();
+        judgement
+    }
+
+    fn of_error(row: &Row, provenance: Provenance, error: Option<&VertexError>) -> Self {
         let mut judgement = Self::without_figures(row, Verdict::NotComparable);
         judgement.ratio = error.and_then(|error| ratio_to_printed(row, error));
         if let (Provenance::Real, Some(ratio)) = (provenance, judgement.ratio) {
@@ -109,21 +146,31 @@ impl Judgement {
             regression: Regression::NotRecorded,
             recorded_ratio: None,
             claim_holds: None,
+            bounds: Vec::new(),
             explained: !row.analysis.trim().is_empty(),
         }
     }
 
     /// Returns why this row makes the whole run end with an error, if it does.
     #[must_use]
-    pub fn failure(&self) -> Option<&'static str> {
+    pub fn failure(&self) -> Option<String> {
         let differs = matches!(self.verdict, Verdict::Better | Verdict::Worse);
-        match self {
-            _ if self.verdict == Verdict::Failed => Some("failed"),
-            _ if self.regression == Regression::Regressed => Some("worse than our recorded value"),
-            _ if self.claim_holds == Some(false) => Some("not more accurate than it should be"),
-            _ if differs && !self.explained => Some("differs from the paper without an analysis"),
-            _ => None,
-        }
+        let why = match self.bounds.iter().find(|bound| !bound.holds()) {
+            _ if self.verdict == Verdict::Failed => "failed",
+            _ if self.regression == Regression::Regressed => "worse than our recorded value",
+            Some(Bound {
+                quantity,
+                at_most,
+                value,
+            }) => {
+                let value = value.map_or("missing".to_owned(), |value| format!("{value:e}"));
+                return Some(format!("{quantity} is {value}, not at most {at_most:e}"));
+            }
+            _ if self.claim_holds == Some(false) => "not more accurate than it should be",
+            _ if differs && !self.explained => "differs from the paper without an analysis",
+            _ => return None,
+        };
+        Some(why.to_owned())
     }
 }
 
@@ -140,6 +187,7 @@ fn ratio_to_printed(row: &Row, error: &VertexError) -> Option<f64> {
 pub(crate) mod tests {
     use super::*;
     use crate::experiment::{Experiment, Recorded};
+    use crate::record::tests::sample;
 
     pub(crate) fn row(printed: Option<f64>, recorded: Option<f64>, analysis: &str) -> Row {
         let text = "schema = \"msplines.experiment/1\"\npaper = \"p\"\nitem = \"i\"\ntitle = \
@@ -172,7 +220,7 @@ pub(crate) mod tests {
     }
 
     fn verdict(ours: f64) -> Verdict {
-        Judgement::of(
+        Judgement::of_error(
             &row(Some(1.0), None, ""),
             Provenance::Real,
             Some(&error(ours)),
@@ -192,7 +240,7 @@ pub(crate) mod tests {
     fn a_difference_fails_only_without_an_analysis() {
         for ours in [0.5, 2.0] {
             let judge = |analysis: &str| {
-                Judgement::of(
+                Judgement::of_error(
                     &row(Some(1.0), None, analysis),
                     Provenance::Real,
                     Some(&error(ours)),
@@ -203,7 +251,7 @@ pub(crate) mod tests {
             assert_eq!(judge("their mesh is finer"), None);
         }
         assert_eq!(
-            Judgement::of(
+            Judgement::of_error(
                 &row(Some(1.0), None, ""),
                 Provenance::Real,
                 Some(&error(1.0))
@@ -215,7 +263,7 @@ pub(crate) mod tests {
 
     #[test]
     fn a_stand_in_is_never_judged_against_the_paper() {
-        let judgement = Judgement::of(
+        let judgement = Judgement::of_error(
             &row(Some(1.0), None, ""),
             Provenance::StandIn,
             Some(&error(9.0)),
@@ -228,7 +276,7 @@ pub(crate) mod tests {
     #[test]
     fn an_analysis_does_not_excuse_a_regression() {
         let judge = |ours: f64| {
-            Judgement::of(
+            Judgement::of_error(
                 &row(None, Some(1.0), "why"),
                 Provenance::StandIn,
                 Some(&error(ours)),
@@ -245,7 +293,7 @@ pub(crate) mod tests {
     fn six_decibels_are_a_factor_of_two() {
         let mut row = row(None, None, "");
         row.printed.psnr_db = Some(24.0);
-        let ratio = Judgement::of(&row, Provenance::StandIn, Some(&error(1.0)))
+        let ratio = Judgement::of_error(&row, Provenance::StandIn, Some(&error(1.0)))
             .ratio
             .expect("a ratio");
         assert!((ratio - 0.501).abs() < 1e-3, "{ratio}");
@@ -263,5 +311,19 @@ pub(crate) mod tests {
                 .failure()
                 .is_some()
         );
+    }
+
+    #[test]
+    fn a_bound_fails_where_the_value_exceeds_it_or_is_missing() {
+        let judge = |quantity: &str, at_most: f64| {
+            let mut row = row(None, None, "");
+            row.at_most.insert(quantity.to_owned(), at_most);
+            Judgement::of(&row, Provenance::Generated, &sample()).failure()
+        };
+        assert_eq!(judge("error.max", 0.001), None);
+        let text = judge("error.max", 0.000_9).expect("exceeded");
+        assert_eq!(text, "error.max is 1e-3, not at most 9e-4");
+        let text = judge("checks.none", 1.0).expect("missing");
+        assert_eq!(text, "checks.none is missing, not at most 1e0");
     }
 }

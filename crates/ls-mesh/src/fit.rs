@@ -162,9 +162,9 @@ fn select(
         system.improve(SELECTION_TOLERANCE)?;
         made += 1;
         errors = system.squared_errors();
-        let mean = errors.iter().map(|e| e.sqrt()).sum::<f64>() / errors.len() as f64;
+        let mean_square = errors.iter().sum::<f64>() / errors.len() as f64;
         let progress = Progress::new("select", system.controls().len() as u64, count as u64)
-            .with_objective(mean * frame.scale());
+            .with_objective(mean_square.sqrt() * frame.scale());
         if let ControlFlow::Break(()) = observer(&progress) {
             return Ok((
                 system.controls().to_vec(),

@@ -20,7 +20,7 @@ pub(super) fn eliminate(
         let stopped = run.stop(
             (start - present) as u64,
             (start - count) as u64,
-            state.error(),
+            state.root_mean_square(),
         );
         let share = if stopped { 1.0 } else { share };
         let limit = ((present as f64 * share).ceil() as usize).min(present - count);

@@ -66,6 +66,11 @@ impl<'a> State<'a> {
         self.error
     }
 
+    /// Returns the root mean square of the error at the vertices, in the units of the data.
+    pub(super) fn root_mean_square(&self) -> f64 {
+        (self.error / self.data.nrows() as f64).sqrt()
+    }
+
     pub(super) fn into_parts(self) -> (Vec<u32>, Mat<f64>) {
         (self.system.knots().to_vec(), self.fitted)
     }

@@ -1,6 +1,6 @@
 //! A report as terminal tables, CSV, JSON and Markdown.
 
-mod figures;
+mod quantities;
 mod tables;
 
 use std::fmt::Write as _;
@@ -11,7 +11,7 @@ use comfy_table::presets::UTF8_FULL_CONDENSED;
 
 use crate::campaign::{CampaignError, Report, RowReport};
 
-pub use figures::{Figure, Unit, cost_figures, error_figure};
+pub use quantities::{Quantity, Unit, cost_quantities, error_quantity};
 pub use tables::{Table, cost_table, error_table, notes};
 
 /// Returns the report for a terminal.
@@ -87,7 +87,7 @@ fn cell(text: &str) -> String {
     text.replace('|', "\\|").replace('\n', " ")
 }
 
-/// Returns all figures as CSV, one per line; fractions, seconds, bytes, never percent.
+/// Returns all quantities as CSV, one per line; fractions, seconds, bytes, never percent.
 ///
 /// # Errors
 /// What the writer reports, which memory never does.
@@ -113,10 +113,10 @@ pub fn csv(report: &Report) -> std::io::Result<Vec<u8>> {
     ])?;
     for item in &report.items {
         for row in &item.rows {
-            let judged = error_figure(row);
+            let judged = error_quantity(row);
             writer.write_record(csv_line([&item.paper, &item.item], row, &judged, true))?;
-            for figure in cost_figures(row) {
-                writer.write_record(csv_line([&item.paper, &item.item], row, &figure, false))?;
+            for quantity in cost_quantities(row) {
+                writer.write_record(csv_line([&item.paper, &item.item], row, &quantity, false))?;
             }
         }
     }
@@ -126,14 +126,13 @@ pub fn csv(report: &Report) -> std::io::Result<Vec<u8>> {
 fn csv_line(
     [paper, item]: [&String; 2],
     report: &RowReport,
-    figure: &Figure,
+    quantity: &Quantity,
     is_judged: bool,
 ) -> Vec<String> {
     let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
     let row = &report.row;
     let domain = row.model.as_ref().or(row.surface.as_ref());
-    let method = serde_json::to_value(row.method).unwrap_or_default();
-    let regression = serde_json::to_value(report.judgement.regression).unwrap_or_default();
+        let regression = serde_json::to_value(report.judgement.regression).unwrap_or_default();
     let verdict = if is_judged {
         report.judgement.verdict.text()
     } else {
@@ -146,13 +145,13 @@ fn csv_line(
         row.id.clone(),
         domain.cloned().unwrap_or_default(),
         report.provenance.text().to_owned(),
-        text(&method),
-        row.knots.clone(),
-        figure.quantity.to_owned(),
-        figure.unit.name().to_owned(),
-        number(figure.paper),
-        number(figure.ours),
-        number(figure.ratio),
+        row.method.name().to_owned(),
+        row.asked_knots(),
+        quantity.name.to_owned(),
+        quantity.unit.name().to_owned(),
+        number(quantity.paper),
+        number(quantity.ours),
+        number(quantity.ratio),
         if is_judged {
             row.tolerance.to_string()
         } else {

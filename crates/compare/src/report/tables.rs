@@ -2,9 +2,9 @@
 
 use crate::campaign::{ItemReport, RowReport, Times};
 use crate::models::Provenance;
-use crate::verdict::Regression;
+use crate::verdict::{Bound, Regression};
 
-use super::figures::{Figure, Unit, absence, cost_figures, error_figure};
+use super::quantities::{Quantity, Unit, absence, cost_quantities, error_quantity};
 
 /// A table of texts.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,7 +23,7 @@ const NONE: &str = "-";
 /// Returns the table `paper | ours | ratio | tolerance | verdict` of an item.
 #[must_use]
 pub fn error_table(item: &ItemReport) -> Table {
-    let header = [
+    let mut header = vec![
         "row",
         "vertices",
         "knots",
@@ -35,18 +35,30 @@ pub fn error_table(item: &ItemReport) -> Table {
         "recorded",
         "regression",
     ];
-    let rows = item.rows.iter().map(error_cells).collect();
+    let distance = |report: &RowReport| report.result.record().and_then(|record| record.distance);
+    let has_distance = item.rows.iter().any(|report| distance(report).is_some());
+    if has_distance {
+        header.push("distance, rms");
+    }
+    let cells = |report: &RowReport| {
+        let mut cells = error_cells(report);
+        if has_distance {
+            let found = distance(report);
+            cells.push(found.map_or(NONE.to_owned(), |d| Unit::Fraction.show(d.rms)));
+        }
+        cells
+    };
     Table {
         title: format!("{} {}: {}", item.paper, item.item, item.title),
-        header: header.map(str::to_owned).to_vec(),
-        rows,
+        header: header.into_iter().map(str::to_owned).collect(),
+        rows: item.rows.iter().map(cells).collect(),
     }
 }
 
 fn error_cells(report: &RowReport) -> Vec<String> {
-    let figure = error_figure(report);
+    let quantity = error_quantity(report);
     let record = report.result.record();
-    let show = |value: Option<f64>| value.map_or(NONE.to_owned(), |v| figure.unit.show(v));
+    let show = |value: Option<f64>| value.map_or(NONE.to_owned(), |v| quantity.unit.show(v));
     let knots = record.and_then(|record| {
         record
             .checks
@@ -59,11 +71,11 @@ fn error_cells(report: &RowReport) -> Vec<String> {
     vec![
         report.row.label.clone(),
         record.map_or(NONE.to_owned(), |record| record.input.vertices.to_string()),
-        knots.map_or(report.row.knots.clone(), |knots| knots.to_string()),
-        show(figure.paper),
-        show(figure.ours),
-        ratio(figure.ratio),
-        if figure.paper.is_some() && report.row.tolerance > 0.0 {
+        knots.map_or(report.row.asked_knots(), |knots| knots.to_string()),
+        show(quantity.paper),
+        show(quantity.ours),
+        ratio(quantity.ratio),
+        if quantity.paper.is_some() && report.row.tolerance > 0.0 {
             format!("{:.0} %", 100.0 * report.row.tolerance)
         } else {
             NONE.to_owned()
@@ -73,7 +85,7 @@ fn error_cells(report: &RowReport) -> Vec<String> {
             format!(
                 "{}{:.4} % (+{:.0} %)",
                 // Decibels are recorded as the mean error behind them.
-                if figure.unit == Unit::Decibel {
+                if quantity.unit == Unit::Decibel {
                     "mean "
                 } else {
                     ""
@@ -112,7 +124,7 @@ fn verdict(report: &RowReport) -> String {
     text
 }
 
-/// Returns the table of times and memory of an item; rows without figures are left out.
+/// Returns the table of times and memory of an item; rows without quantities are left out.
 #[must_use]
 pub fn cost_table(item: &ItemReport, times: Times) -> Table {
     let evaluates = item.rows.iter().any(|report| report.row.subdivide > 0);
@@ -145,10 +157,10 @@ pub fn cost_table(item: &ItemReport, times: Times) -> Table {
 }
 
 fn cost_cells(report: &RowReport, evaluates: bool) -> Vec<String> {
-    let figures = cost_figures(report);
-    let find = |quantity: &str| figures.iter().find(|figure| figure.quantity == quantity);
-    let show = |figure: Option<&Figure>, value: fn(&Figure) -> Option<f64>| {
-        figure
+    let quantities = cost_quantities(report);
+    let find = |name: &str| quantities.iter().find(|quantity| quantity.name == name);
+    let show = |quantity: Option<&Quantity>, value: fn(&Quantity) -> Option<f64>| {
+        quantity
             .and_then(|f| Some(f.unit.show(value(f)?)))
             .unwrap_or_else(|| NONE.to_owned())
     };
@@ -157,11 +169,11 @@ fn cost_cells(report: &RowReport, evaluates: bool) -> Vec<String> {
     if evaluates {
         compared.push("evaluate_seconds");
     }
-    for quantity in compared {
-        let figure = find(quantity);
-        cells.push(show(figure, |f| f.paper));
-        cells.push(show(figure, |f| f.ours));
-        cells.push(ratio(figure.and_then(|f| f.ratio)));
+    for name in compared {
+        let quantity = find(name);
+        cells.push(show(quantity, |f| f.paper));
+        cells.push(show(quantity, |f| f.ours));
+        cells.push(ratio(quantity.and_then(|f| f.ratio)));
     }
     if evaluates {
         cells.push(show(find("evaluated_points"), |f| f.ours));
@@ -192,6 +204,17 @@ pub fn notes(item: &ItemReport) -> Vec<String> {
         }
     }
     for report in &item.rows {
+        notes.extend(report.judgement.bounds.iter().map(|bound| {
+            let value = bound.value.map_or("missing".to_owned(), |v| format!("{v:.3e}"));
+            let Bound {
+                quantity, at_most, ..
+            } = bound;
+            let holds = if bound.holds() { "" } else { ", EXCEEDED" };
+            format!(
+                "{}: {quantity} is {value}, to be at most {at_most:e}{holds}",
+                report.row.label
+            )
+        }));
         let warnings = report
             .result
             .record()

@@ -1,13 +1,13 @@
-//! The figures of a row: what the paper prints, what we got, and the ratio.
+//! The quantities of a row: what the paper prints, what we got, and the ratio.
 
 use crate::campaign::{RowReport, RowResult};
 use crate::record::Record;
 
-/// One figure of a row.
+/// One quantity of a row.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Figure {
+pub struct Quantity {
     /// Name of the quantity, such as `error_mean`.
-    pub quantity: &'static str,
+    pub name: &'static str,
     /// Its unit.
     pub unit: Unit,
     /// What the paper prints.
@@ -18,7 +18,7 @@ pub struct Figure {
     pub ratio: Option<f64>,
 }
 
-/// Unit of a figure.
+/// Unit of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// A fraction in files, percent in tables for people.
@@ -50,6 +50,7 @@ impl Unit {
     #[must_use]
     pub fn show(self, value: f64) -> String {
         match self {
+            Self::Fraction if value != 0.0 && value.abs() < 1e-6 => format!("{:.1e} %", 100.0 * value),
             Self::Fraction => format!("{:.4} %", 100.0 * value),
             Self::Decibel => format!("{value:.1} dB"),
             Self::Seconds if value < 10.0 => format!("{value:.2} s"),
@@ -60,11 +61,11 @@ impl Unit {
     }
 }
 
-impl Figure {
-    fn new(quantity: &'static str, unit: Unit, paper: Option<f64>, ours: Option<f64>) -> Self {
+impl Quantity {
+    fn new(name: &'static str, unit: Unit, paper: Option<f64>, ours: Option<f64>) -> Self {
         let ratio = ours.zip(paper).map(|(ours, paper)| ours / paper);
         Self {
-            quantity,
+            name,
             unit,
             paper,
             ours,
@@ -73,20 +74,20 @@ impl Figure {
     }
 }
 
-/// Returns the figure of a row that is judged: its mean error, or decibels for colours.
+/// Returns the quantity of a row that is judged: its mean error, or decibels for colours.
 #[must_use]
-pub fn error_figure(report: &RowReport) -> Figure {
+pub fn error_quantity(report: &RowReport) -> Quantity {
     let printed = &report.row.printed;
     let error = report
         .result
         .record()
         .and_then(|record| record.error.as_ref());
     let in_decibels = report.row.data == crate::experiment::RowData::ColourPattern;
-    let mut figure = if in_decibels {
+    let mut quantity = if in_decibels {
         let ours = error.and_then(|error| error.psnr_db);
-        Figure::new("psnr_db", Unit::Decibel, printed.psnr_db, ours)
+        Quantity::new("psnr_db", Unit::Decibel, printed.psnr_db, ours)
     } else {
-        Figure::new(
+        Quantity::new(
             "error_mean",
             Unit::Fraction,
             printed.error,
@@ -94,25 +95,25 @@ pub fn error_figure(report: &RowReport) -> Figure {
         )
     };
     // Decibels have no ratio of their own: the judgement holds that of the root mean squares.
-    figure.ratio = report.judgement.ratio;
-    figure
+    quantity.ratio = report.judgement.ratio;
+    quantity
 }
 
-/// Returns the figures of a row that are shown and never judged: times, memory, points.
+/// Returns the quantities of a row that are shown and never judged: times, memory, points.
 #[must_use]
-pub fn cost_figures(report: &RowReport) -> Vec<Figure> {
+pub fn cost_quantities(report: &RowReport) -> Vec<Quantity> {
     let (printed, record) = (&report.row.printed, report.result.record());
     let seconds = |names: &[&str]| record.map(|record| phase_seconds(record, names));
     let total = record.map(|record| record.seconds.total);
     let memory = record.map(|record| record.peak_rss_bytes as f64);
-    let mut figures = vec![
-        Figure::new(
+    let mut quantities = vec![
+        Quantity::new(
             "select_seconds",
             Unit::Seconds,
             printed.select_seconds,
             seconds(&["domain", "select"]),
         ),
-        Figure::new(
+        Quantity::new(
             "fit_seconds",
             Unit::Seconds,
             printed.fit_seconds,
@@ -123,20 +124,20 @@ pub fn cost_figures(report: &RowReport) -> Vec<Figure> {
         let points = record.and_then(|record| record.checks.get("evaluated_points")?.as_f64());
         let evaluate = seconds(&["evaluate"]);
         let paper = printed.evaluate_seconds;
-        figures.push(Figure::new(
+        quantities.push(Quantity::new(
             "evaluate_seconds",
             Unit::Seconds,
             paper,
             evaluate,
         ));
-        figures.push(Figure::new("evaluated_points", Unit::Count, None, points));
+        quantities.push(Quantity::new("evaluated_points", Unit::Count, None, points));
     }
-    figures.push(Figure::new("total_seconds", Unit::Seconds, None, total));
-    figures.push(Figure::new("peak_rss_bytes", Unit::Bytes, None, memory));
-    figures
+    quantities.push(Quantity::new("total_seconds", Unit::Seconds, None, total));
+    quantities.push(Quantity::new("peak_rss_bytes", Unit::Bytes, None, memory));
+    quantities
 }
 
-/// Returns why a row has no figures, if it has none.
+/// Returns why a row has no quantities, if it has none.
 pub(super) fn absence(report: &RowReport) -> Option<String> {
     match &report.result {
         RowResult::Done(_) => None,

@@ -1,12 +1,17 @@
 //! Experiments: one file per table or figure of a paper, with what it prints and what we say to it.
 
+mod figure;
+mod row;
+
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::case::{Amount, Case, Data, Input, Method};
 use crate::generated::GeneratedSurface;
+
+pub use figure::{Axis, Callout, Edges, Figure, Panel, Plot, Show, UpAxis, ViewHint};
+pub use row::{Ancestors, MethodName, Printed, Recorded, Row, RowData};
 
 /// The schema of [`Experiment`].
 pub const EXPERIMENT_SCHEMA: &str = "msplines.experiment/1";
@@ -29,106 +34,12 @@ pub struct Experiment {
     /// Its rows.
     #[serde(rename = "row")]
     pub rows: Vec<Row>,
-}
-
-/// One row of an experiment.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Row {
-    /// Unique in its experiment.
-    pub id: String,
-    /// What a table says at its start.
-    pub label: String,
-    /// Name of a model in `data/models.toml`.
-    pub model: Option<String>,
-    /// Name of a generated surface, where there is no model.
-    pub surface: Option<String>,
-    /// The method.
-    pub method: MethodName,
-    /// Knots or control vertices: a count or a percentage.
-    pub knots: String,
-    /// What is fitted.
-    #[serde(default)]
-    pub data: RowData,
-    /// Effort of the knot optimisation; the method's default where absent.
-    pub effort: Option<msplines_biharmonic::Effort>,
-    /// Rounds of midpoint subdivision at whose vertices the spline is evaluated.
-    #[serde(default)]
-    pub subdivide: u32,
-    /// Whether only `--full` runs this row.
-    #[serde(default)]
-    pub full_only: bool,
-    /// Seconds after which the row is given up.
-    #[serde(default = "default_time_limit")]
-    pub time_limit_seconds: f64,
-    /// What the paper prints.
-    #[serde(default)]
-    pub printed: Printed,
-    /// How far our error may lie from the printed one, as a fraction of it.
-    #[serde(default)]
-    pub tolerance: f64,
-    /// Our own value, which must not get worse.
-    pub recorded: Option<Recorded>,
-    /// Another row of the same experiment that must have a larger error.
-    pub more_accurate_than: Option<String>,
-    /// Why ours differs, where it does.
-    #[serde(default)]
-    pub analysis: String,
-}
-
-fn default_time_limit() -> f64 {
-    600.0
-}
-
-/// A method as experiments name it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MethodName {
-    /// Biharmonic B-spline.
-    Biharmonic,
-    /// Least-squares mesh.
-    LsMesh,
-}
-
-/// Data as experiments name it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RowData {
-    /// Vertex positions.
-    #[default]
-    Positions,
-    /// The generated colours.
-    ColourPattern,
-}
-
-/// What a paper prints. Errors are fractions, times seconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Printed {
-    /// Vertices of the paper's mesh.
-    pub vertices: Option<u64>,
-    /// Mean error over the vertices.
-    pub error: Option<f64>,
-    /// Peak signal-to-noise ratio in decibels.
-    pub psnr_db: Option<f64>,
-    /// Knot optimisation.
-    pub select_seconds: Option<f64>,
-    /// Fit at the chosen knots.
-    pub fit_seconds: Option<f64>,
-    /// Evaluation.
-    pub evaluate_seconds: Option<f64>,
-    /// Iterations of the knot optimisation.
-    pub iterations: Option<u32>,
-}
-
-/// Our own value of a row, against regression.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Recorded {
-    /// Mean error over the vertices.
-    pub error: f64,
-    /// How far it may get worse, as a fraction.
-    pub tolerance: f64,
+    /// Figures of its surfaces.
+    #[serde(default, rename = "figure")]
+    pub figures: Vec<Figure>,
+    /// Plots of its figures.
+    #[serde(default, rename = "plot")]
+    pub plots: Vec<Plot>,
 }
 
 /// Why an experiment file cannot be used.
@@ -158,6 +69,16 @@ pub enum ExperimentError {
         path: String,
         /// The row.
         row: String,
+        /// What is wrong and what to write.
+        problem: String,
+    },
+    /// A figure or plot that cannot be drawn.
+    #[error("{path}: figure `{figure}`: {problem}")]
+    Figure {
+        /// The file.
+        path: String,
+        /// The figure or plot.
+        figure: String,
         /// What is wrong and what to write.
         problem: String,
     },
@@ -204,67 +125,104 @@ impl Experiment {
 
     fn check(&self, name: &str) -> Result<(), ExperimentError> {
         let mut ids = BTreeSet::new();
-        for row in &self.rows {
-            let refused = |problem: &str| ExperimentError::Row {
-                path: name.to_owned(),
-                row: row.id.clone(),
-                problem: problem.to_owned(),
+        for (index, row) in self.rows.iter().enumerate() {
+            let problem = if ids.insert(row.id.as_str()) {
+                self.row_problem(index)
+            } else {
+                Some("two rows have this id; rename one".to_owned())
             };
-            if !ids.insert(row.id.as_str()) {
-                return Err(refused("two rows have this id; rename one"));
-            }
-            if row.model.is_some() == row.surface.is_some() {
-                return Err(refused("give either `model` or `surface`"));
-            }
-            row.amount().map_err(|e| refused(&format!("knots: {e}")))?;
-            if let Some(surface) = &row.surface {
-                surface
-                    .parse::<GeneratedSurface>()
-                    .map_err(|e| refused(&e.to_string()))?;
-            }
-            if row.printed.error.is_some() && row.tolerance <= 0.0 {
-                return Err(refused("a printed error needs a `tolerance`"));
-            }
-            let other = row.more_accurate_than.as_deref();
-            if other.is_some_and(|id| !self.rows.iter().any(|row| row.id == id)) {
-                return Err(refused("`more_accurate_than` names no row of this file"));
+            if let Some(problem) = problem {
+                return Err(ExperimentError::Row {
+                    path: name.to_owned(),
+                    row: row.id.clone(),
+                    problem,
+                });
             }
         }
-        Ok(())
-    }
-}
-
-impl Row {
-    /// Returns the number of knots or control vertices.
-    ///
-    /// # Errors
-    /// Text that is neither a count nor a percentage.
-    pub fn amount(&self) -> Result<Amount, crate::case::AmountError> {
-        self.knots.parse()
-    }
-
-    /// Returns the run of this row on `input`.
-    ///
-    /// # Errors
-    /// Knots that are neither a count nor a percentage.
-    pub fn case(&self, input: Input) -> Result<Case, crate::case::AmountError> {
-        let amount = self.amount()?;
-        let mut method = match self.method {
-            MethodName::Biharmonic => Method::biharmonic(amount),
-            MethodName::LsMesh => Method::ls_mesh(amount),
-        };
-        if let (Method::Biharmonic { effort, .. }, Some(asked)) = (&mut method, self.effort) {
-            *effort = asked;
+        match self.figure_problem() {
+            Some((figure, problem)) => Err(ExperimentError::Figure {
+                path: name.to_owned(),
+                figure,
+                problem,
+            }),
+            None => Ok(()),
         }
-        let data = match self.data {
-            RowData::Positions => Data::Positions,
-            RowData::ColourPattern => Data::ColourPattern,
-        };
-        Ok(Case {
-            data,
-            subdivide: self.subdivide,
-            ..Case::new(input, method)
-        })
+    }
+
+    /// Keeps the row `id`, the rows that it needs, and what can be drawn of them; returns whether
+    /// there is such a row.
+    pub fn restrict(&mut self, id: &str) -> bool {
+        let mut kept = BTreeSet::from([id.to_owned()]);
+        // Rows need only earlier ones.
+        for row in self.rows.iter().rev() {
+            if kept.contains(&row.id) {
+                kept.extend(row.needs().map(str::to_owned));
+            }
+        }
+        let found = self.has_row(id);
+        self.rows.retain(|row| kept.contains(&row.id));
+        for figure in &mut self.figures {
+            figure.panels.retain(|panel| kept.contains(&panel.row));
+        }
+        self.figures.retain(|figure| !figure.panels.is_empty());
+        for row in &mut self.rows {
+            let other = row.more_accurate_than.take();
+            row.more_accurate_than = other.filter(|other| kept.contains(other));
+        }
+        self.plots.clear();
+        found
+    }
+
+    fn has_row(&self, id: &str) -> bool {
+        self.rows.iter().any(|row| row.id == id)
+    }
+
+    fn row_problem(&self, index: usize) -> Option<String> {
+        let row = &self.rows[index];
+        if row.model.is_some() == row.surface.is_some() {
+            return Some("give either `model` or `surface`".to_owned());
+        }
+        if let Some(problem) = row.knots_problem() {
+            return Some(problem);
+        }
+        if let Some(Err(error)) = row.surface.as_ref().map(|s| s.parse::<GeneratedSurface>()) {
+            return Some(error.to_string());
+        }
+        if row.printed.error.is_some() && row.tolerance <= 0.0 {
+            return Some("a printed error needs a `tolerance`".to_owned());
+        }
+        let other = row.more_accurate_than.as_deref();
+        if other.is_some_and(|id| !self.has_row(id)) {
+            return Some("`more_accurate_than` names no row of this file".to_owned());
+        }
+        let earlier = &self.rows[..index];
+        let missing = row.needs().find(|&id| !earlier.iter().any(|r| r.id == id));
+        missing.map(|id| format!("needs the row `{id}`, which must stand before it"))
+    }
+
+    fn figure_problem(&self) -> Option<(String, String)> {
+        let mut ids = BTreeSet::new();
+        let figures = self.figures.iter().map(|figure| {
+            let rows = figure.panels.iter().map(|panel| &panel.row).collect();
+            (&figure.id, rows, false)
+        });
+        let plots = self.plots.iter().map(|plot| {
+            let mixed = plot.x.is_history() != plot.y.is_history();
+            (&plot.id, plot.rows.iter().collect::<Vec<_>>(), mixed)
+        });
+        for (id, rows, mixed) in figures.chain(plots) {
+            if !ids.insert(id) {
+                return Some((id.clone(), "two figures have this id; rename one".to_owned()));
+            }
+            if let Some(row) = rows.into_iter().find(|row| !self.has_row(row)) {
+                return Some((id.clone(), format!("names no row of this file: `{row}`")));
+            }
+            if mixed {
+                let problem = "`elapsed` and `objective` only go together";
+                return Some((id.clone(), problem.to_owned()));
+            }
+        }
+        None
     }
 }
 
@@ -319,6 +277,7 @@ fn entries(folder: &Path) -> Result<Vec<std::path::PathBuf>, ExperimentError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::case::{Amount, Input, Knots, Method};
 
     const HEAD: &str =
         "schema = \"msplines.experiment/1\"\npaper = \"p\"\nitem = \"i\"\ntitle = \"t\"\n";
@@ -334,12 +293,14 @@ mod tests {
         let text = "surface = \"genus-3\"\nknots = \"5%\"\neffort = \"fast\"\nsubdivide = 1\n";
         let experiment = parse(text).expect("a good row");
         let input = Input::Surface(GeneratedSurface::Genus3);
-        let case = experiment.rows[0].case(input).expect("a good case");
+        let case = experiment.rows[0]
+            .case(input, &Ancestors::default())
+            .expect("a good case");
         assert_eq!(case.subdivide, 1);
         let Method::Biharmonic { knots, effort, .. } = case.method else {
             panic!("another method");
         };
-        assert_eq!(knots, Amount::Fraction(0.05));
+        assert_eq!(knots, Knots::Optimised(Amount::Fraction(0.05)));
         assert_eq!(effort, msplines_biharmonic::Effort::Fast);
     }
 
@@ -362,6 +323,19 @@ mod tests {
                 "names no row",
             ),
             ("knots = \"5\"\nmodel = \"m\"\nknot = 3\n", "unknown field"),
+            ("model = \"m\"\n", "either `knots` or `knots_from`"),
+            (
+                "model = \"m\"\nknots_from = \"a\"\n",
+                "must stand before it",
+            ),
+            (
+                "knots = \"5\"\nmodel = \"m\"\n[[plot]]\nid = \"p\"\ncaption = \"\"\nx = \"knots\"\ny = \"objective\"\n",
+                "only go together",
+            ),
+            (
+                "knots = \"5\"\nmodel = \"m\"\n[[figure]]\nid = \"f\"\ncaption = \"\"\n[[figure.panel]]\nrow = \"b\"\nshow = \"spline\"\n",
+                "figure `f`: names no row",
+            ),
         ];
         for (row, message) in bad {
             let error = parse(row).expect_err(row).to_string();

@@ -1,0 +1,218 @@
+//! One row of an experiment: a run, what the paper prints for it, and what must hold.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::case::{Amount, AmountError, Case, Data, Input, Knots, Method};
+
+/// One row of an experiment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// Unique in its experiment.
+    pub id: String,
+    /// What a table says at its start.
+    pub label: String,
+    /// Name of a model in `data/models.toml`.
+    pub model: Option<String>,
+    /// Name of a generated surface, where there is no model.
+    pub surface: Option<String>,
+    /// The method.
+    pub method: MethodName,
+    /// Knots or control vertices: a count, a percentage, or `all`.
+    pub knots: Option<String>,
+    /// Another row of this experiment: the knots are the vertices nearest to its knots.
+    pub knots_from: Option<String>,
+    /// Another row of this experiment, to whose surface the distance is measured.
+    pub compared_with: Option<String>,
+    /// What is fitted.
+    #[serde(default)]
+    pub data: RowData,
+    /// Effort of the knot optimisation; the method's default where absent.
+    pub effort: Option<msplines_biharmonic::Effort>,
+    /// Rounds of midpoint subdivision at whose vertices the spline is evaluated.
+    #[serde(default)]
+    pub subdivide: u32,
+    /// Whether the two-sided distance between the surfaces is measured.
+    #[serde(default)]
+    pub measure_distance: bool,
+    /// Whether only `--full` runs this row.
+    #[serde(default)]
+    pub full_only: bool,
+    /// Seconds after which the row is given up.
+    #[serde(default = "default_time_limit")]
+    pub time_limit_seconds: f64,
+    /// What the paper prints.
+    #[serde(default)]
+    pub printed: Printed,
+    /// How far our error may lie from the printed one, as a fraction of it.
+    #[serde(default)]
+    pub tolerance: f64,
+    /// Our own value, which must not get worse.
+    pub recorded: Option<Recorded>,
+    /// Another row of the same experiment that must have a larger error.
+    pub more_accurate_than: Option<String>,
+    /// Values of the record that must not be exceeded, such as `error.max` or
+    /// `checks.reference_rms`.
+    #[serde(default)]
+    pub at_most: BTreeMap<String, f64>,
+    /// Why ours differs, where it does.
+    #[serde(default)]
+    pub analysis: String,
+}
+
+fn default_time_limit() -> f64 {
+    600.0
+}
+
+/// A method as experiments name it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MethodName {
+    /// Biharmonic B-spline.
+    Biharmonic,
+    /// Least-squares mesh.
+    LsMesh,
+}
+
+impl MethodName {
+    /// Returns the name in records and files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Biharmonic => "biharmonic",
+            Self::LsMesh => "ls-mesh",
+        }
+    }
+
+    /// Returns what tables and legends for people say.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Biharmonic => "biharmonic B-spline",
+            Self::LsMesh => "least-squares mesh",
+        }
+    }
+}
+
+/// Data as experiments name it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RowData {
+    /// Vertex positions.
+    #[default]
+    Positions,
+    /// The generated colours.
+    ColourPattern,
+}
+
+/// What a paper prints. Errors are fractions, times seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Printed {
+    /// Vertices of the paper's mesh.
+    pub vertices: Option<u64>,
+    /// Mean error over the vertices.
+    pub error: Option<f64>,
+    /// Peak signal-to-noise ratio in decibels.
+    pub psnr_db: Option<f64>,
+    /// Knot optimisation.
+    pub select_seconds: Option<f64>,
+    /// Fit at the chosen knots.
+    pub fit_seconds: Option<f64>,
+    /// Evaluation.
+    pub evaluate_seconds: Option<f64>,
+    /// Iterations of the knot optimisation.
+    pub iterations: Option<u32>,
+}
+
+/// Our own value of a row, against regression.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recorded {
+    /// Mean error over the vertices.
+    pub error: f64,
+    /// How far it may get worse, as a fraction.
+    pub tolerance: f64,
+}
+
+/// Files of other rows that a row needs.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Ancestors {
+    /// Points at the knots of the row `knots_from`.
+    pub knots: Option<PathBuf>,
+    /// Surface of the row `compared_with`.
+    pub reference: Option<PathBuf>,
+}
+
+impl Row {
+    /// Returns the other rows whose results this one needs.
+    pub fn needs(&self) -> impl Iterator<Item = &str> {
+        self.knots_from
+            .iter()
+            .chain(&self.compared_with)
+            .map(String::as_str)
+    }
+
+    /// Returns what is wrong with the fields that say how many knots there are.
+    pub(super) fn knots_problem(&self) -> Option<String> {
+        let takes_places = self.method == MethodName::Biharmonic;
+        match (&self.knots, &self.knots_from) {
+            (Some(_), Some(_)) | (None, None) => {
+                Some("give either `knots` or `knots_from`".to_owned())
+            }
+            (None, Some(_)) if !takes_places => Some(format!(
+                "{} takes no `knots_from`; give `knots`",
+                self.method.name()
+            )),
+            (None, Some(_)) => None,
+            (Some(text), None) if takes_places => text.parse::<Knots>().err().map(refused),
+            (Some(text), None) => text.parse::<Amount>().err().map(refused),
+        }
+    }
+
+    /// Returns how many knots are asked for, as tables say it.
+    #[must_use]
+    pub fn asked_knots(&self) -> String {
+        match (&self.knots, &self.knots_from) {
+            (Some(knots), _) => knots.clone(),
+            (None, Some(row)) => format!("those of {row}"),
+            (None, None) => String::new(),
+        }
+    }
+
+    /// Returns the run of this row on `input`.
+    ///
+    /// # Errors
+    /// Knots that cannot be read, which [`super::Experiment::parse`] refuses.
+    pub fn case(&self, input: Input, ancestors: &Ancestors) -> Result<Case, AmountError> {
+        let asked = self.knots.as_deref().unwrap_or_default();
+        let mut method = match (self.method, &ancestors.knots) {
+            (MethodName::Biharmonic, Some(points)) => {
+                Method::biharmonic(Knots::Near(points.clone()))
+            }
+            (MethodName::Biharmonic, None) => Method::biharmonic(asked.parse()?),
+            (MethodName::LsMesh, _) => Method::ls_mesh(asked.parse()?),
+        };
+        if let (Method::Biharmonic { effort, .. }, Some(asked)) = (&mut method, self.effort) {
+            *effort = asked;
+        }
+        let data = match self.data {
+            RowData::Positions => Data::Positions,
+            RowData::ColourPattern => Data::ColourPattern,
+        };
+        Ok(Case {
+            data,
+            subdivide: self.subdivide,
+            measure_distance: self.measure_distance,
+            reference: ancestors.reference.clone(),
+            ..Case::new(input, method)
+        })
+    }
+}
+
+fn refused(error: AmountError) -> String {
+    format!("knots: {error}")
+}
