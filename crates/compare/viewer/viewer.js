@@ -1,0 +1,303 @@
+// Makes the pictures of surfaces on this page turnable.
+//
+// An element `[data-surface="ID"]` holds a still <img>; its mesh stands as base64 text in
+// <script type="application/octet-stream" id="surface-ID">. Each gets a button that puts a canvas over the
+// still, seen from the still's own camera. Where the browser lacks WebGL 2 or DecompressionStream, nothing
+// changes and the stills stay.
+
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DirectionalLight,
+  DoubleSide,
+  HemisphereLight,
+  IcosahedronGeometry,
+  InstancedMesh,
+  MathUtils,
+  Matrix4,
+  Mesh,
+  MeshLambertMaterial,
+  PerspectiveCamera,
+  Scene,
+  SRGBColorSpace,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
+
+// Browsers drop the oldest of about 16 WebGL contexts without asking; phones allow fewer.
+const MOST_VIEWS = 4;
+const KEY_STEP = Math.PI / 24;
+const STYLE = `
+[data-surface] { position: relative; }
+[data-surface] > canvas { position: absolute; cursor: grab; touch-action: none; }
+[data-surface] > canvas:active { cursor: grabbing; }
+[data-surface] > canvas:focus-visible { outline: 2px solid #1a5fb4; }
+[data-surface] > .turn {
+  position: absolute; padding: .3em .8em; border: 1px solid #8888; border-radius: 1em;
+  font: inherit; font-size: .8rem; color: #222; background: #fffd; cursor: pointer;
+}
+[data-surface] > .turn:hover { background: #eee; }
+[data-surface] > .turn:focus-visible { outline: 2px solid #1a5fb4; outline-offset: 1px; }
+@media print { [data-surface] > canvas, [data-surface] > .turn { display: none; } }
+`;
+
+// --- The payload, as src/report/surface_payload.rs writes it
+
+const MAGIC = 0x3156534d; // "MSV1"
+
+async function decode(base64) {
+  const packed = Uint8Array.from(atob(base64.trim()), (letter) => letter.charCodeAt(0));
+  const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const buffer = await new Response(unpacked).arrayBuffer();
+  let at = 0;
+  const take = (type, count) => {
+    const values = new type(buffer, at, count);
+    at += values.byteLength;
+    return values;
+  };
+  const [magic, vertices, triangles, segments, points] = take(Uint32Array, 5);
+  if (magic !== MAGIC) throw new Error("unknown format");
+  const [low, high, eye, target, up] = Array.from({ length: 5 }, () => [...take(Float32Array, 3)]);
+  const [fieldOfView, lineWidth, pointRadius] = take(Float32Array, 3);
+  const index = take(Uint32Array, 3 * triangles);
+  const inBox = (count) =>
+    Float32Array.from(take(Uint16Array, 3 * count), (value, i) => {
+      const axis = i % 3;
+      return low[axis] + (value / 65535) * (high[axis] - low[axis]);
+    });
+  const surface = {
+    positions: inBox(vertices),
+    segments: inBox(2 * segments),
+    points: inBox(points),
+    colours: take(Uint8Array, 3 * vertices),
+    lineColour: take(Uint8Array, 3),
+    pointColour: take(Uint8Array, 3),
+  };
+  return { ...surface, index, low, high, eye, target, up, fieldOfView, lineWidth, pointRadius };
+}
+
+// --- The scene
+
+const srgb = ([r, g, b]) => new Color().setRGB(r / 255, g / 255, b / 255, SRGBColorSpace);
+
+function clay(surface) {
+  const linear = Float32Array.from({ length: 256 }, (_, value) => srgb([value, value, value]).r);
+  const geometry = new BufferGeometry();
+  geometry.setIndex(new BufferAttribute(surface.index, 1));
+  geometry.setAttribute("position", new BufferAttribute(surface.positions, 3));
+  const colours = Float32Array.from(surface.colours, (value) => linear[value]);
+  geometry.setAttribute("color", new BufferAttribute(colours, 3));
+  geometry.computeVertexNormals();
+  // Pushed back so that lines on the surface are in front of it, also where it slopes.
+  const behind = { polygonOffset: true, polygonOffsetFactor: 1 + surface.lineWidth, polygonOffsetUnits: 1 };
+  return new Mesh(geometry, new MeshLambertMaterial({ vertexColors: true, side: DoubleSide, ...behind }));
+}
+
+function lines(surface) {
+  const geometry = new LineSegmentsGeometry().setPositions(surface.segments);
+  return new LineSegments2(geometry, new LineMaterial({ color: srgb(surface.lineColour) }));
+}
+
+function spheres(surface) {
+  const count = surface.points.length / 3;
+  const ball = new IcosahedronGeometry(surface.pointRadius, count > 2000 ? 1 : 2);
+  const mesh = new InstancedMesh(ball, new MeshLambertMaterial({ color: srgb(surface.pointColour) }), count);
+  const place = new Matrix4();
+  for (let i = 0; i < count; i++) {
+    mesh.setMatrixAt(i, place.makeTranslation(...surface.points.subarray(3 * i, 3 * i + 3)));
+  }
+  return mesh;
+}
+
+// Light from where the viewer stands, so that no side is dark: directions in the camera's frame.
+const LIGHTS = [
+  { make: () => new HemisphereLight(0xffffff, 0xb8b4b0, 0.55 * Math.PI), from: [0, 1, 0.3] },
+  { make: () => new DirectionalLight(0xffffff, 0.42 * Math.PI), from: [-0.5, 0.7, 1] },
+  { make: () => new DirectionalLight(0xffffff, 0.12 * Math.PI), from: [0.9, 0.1, 0.6] },
+];
+
+// --- Views, each with a renderer from a small pool
+
+const views = [];
+const idle = [];
+
+function newRenderer() {
+  const canvas = document.createElement("canvas");
+  const context = canvas.getContext("webgl2", { antialias: true, alpha: false });
+  if (!context) return null;
+  const renderer = new WebGLRenderer({ canvas, context });
+  renderer.setClearColor(0xffffff);
+  return renderer;
+}
+
+function takeRenderer() {
+  if (!idle.length && views.length >= MOST_VIEWS) views[0].close();
+  return idle.pop() ?? newRenderer();
+}
+
+function openView(surface, still, onClose) {
+  const renderer = takeRenderer();
+  if (!renderer) throw new Error("the browser gives no WebGL context");
+  const canvas = renderer.domElement;
+  const scene = new Scene();
+  const parts = [clay(surface)];
+  if (surface.segments.length) parts.push(lines(surface));
+  if (surface.points.length) parts.push(spheres(surface));
+  const lights = LIGHTS.map(({ make, from }) => ({ light: make(), from: new Vector3(...from) }));
+  scene.add(...parts, ...lights.map(({ light }) => light));
+
+  const camera = new PerspectiveCamera(MathUtils.radToDeg(surface.fieldOfView));
+  camera.position.fromArray(surface.eye);
+  camera.up.fromArray(surface.up);
+  const controls = new OrbitControls(camera, canvas);
+  controls.target.fromArray(surface.target);
+  const centre = new Vector3().fromArray(surface.low).add(new Vector3().fromArray(surface.high)).divideScalar(2);
+  const radius = centre.distanceTo(new Vector3().fromArray(surface.high)) + surface.pointRadius;
+  controls.minDistance = 0.05 * radius;
+  controls.maxDistance = Math.max(20 * radius, 2 * camera.position.distanceTo(controls.target));
+  controls.update();
+  controls.saveState();
+
+  let frame = 0;
+  const draw = () => {
+    frame = 0;
+    const distance = camera.position.distanceTo(centre);
+    camera.far = distance + 1.1 * radius;
+    camera.near = Math.max(distance - 1.1 * radius, 0.002 * camera.far);
+    camera.updateProjectionMatrix();
+    for (const { light, from } of lights) light.position.copy(from).applyQuaternion(camera.quaternion);
+    renderer.render(scene, camera);
+  };
+  const drawSoon = () => (frame ||= requestAnimationFrame(draw));
+  const resize = () => {
+    const [width, height] = [still.clientWidth, still.clientHeight];
+    if (!width || !height) return;
+    renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    renderer.setSize(width, height);
+    placeOver(still, canvas);
+    camera.aspect = width / height;
+    // The width is told in pixels of the still, which is shown smaller or larger than it is.
+    const scale = still.naturalWidth ? width / still.naturalWidth : 1;
+    for (const part of parts) if (part.isLineSegments2) part.material.linewidth = Math.max(surface.lineWidth * scale, 0.75);
+    draw();
+  };
+  const onKey = (event) => {
+    const act = {
+      ArrowLeft: () => controls.rotateLeft(KEY_STEP),
+      ArrowRight: () => controls.rotateLeft(-KEY_STEP),
+      ArrowUp: () => controls.rotateUp(KEY_STEP),
+      ArrowDown: () => controls.rotateUp(-KEY_STEP),
+      "+": () => controls.dollyIn(0.9),
+      "-": () => controls.dollyOut(0.9),
+      0: () => controls.reset(),
+      Escape: () => view.close(),
+    }[event.key];
+    if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    act();
+  };
+  const onReset = () => controls.reset();
+  const onLost = () => view.close("lost");
+  const sizes = new ResizeObserver(resize);
+
+  const view = {
+    close(lost) {
+      views.splice(views.indexOf(view), 1);
+      cancelAnimationFrame(frame);
+      sizes.disconnect();
+      controls.dispose();
+      canvas.removeEventListener("keydown", onKey);
+      canvas.removeEventListener("dblclick", onReset);
+      canvas.removeEventListener("webglcontextlost", onLost);
+      for (const part of parts) {
+        part.geometry.dispose();
+        part.material.dispose();
+        part.dispose?.();
+      }
+      canvas.remove();
+      if (!lost) idle.push(renderer);
+      still.style.visibility = "";
+      onClose();
+    },
+  };
+  views.push(view);
+  controls.addEventListener("change", drawSoon);
+  canvas.addEventListener("keydown", onKey);
+  canvas.addEventListener("dblclick", onReset);
+  canvas.addEventListener("webglcontextlost", onLost);
+  canvas.tabIndex = 0;
+  canvas.setAttribute("role", "application");
+  canvas.setAttribute("aria-label", `${still.alt || "Surface"}. Arrow keys turn, plus and minus zoom, 0 resets.`);
+  canvas.title = "Drag to turn, scroll or pinch to zoom, double-click to reset";
+  resize();
+  still.after(canvas);
+  still.style.visibility = "hidden";
+  sizes.observe(still);
+  return view;
+}
+
+// --- The page
+
+function placeOver(still, canvas) {
+  canvas.style.left = `${still.offsetLeft + still.clientLeft}px`;
+  canvas.style.top = `${still.offsetTop + still.clientTop}px`;
+}
+
+function addButton(element) {
+  const still = element.querySelector("img");
+  const payload = document.getElementById(`surface-${element.dataset.surface}`);
+  if (!still || !payload) return;
+  const button = document.createElement("button");
+  button.type = "button";
+  button.className = "turn";
+  const label = (text) => {
+    button.textContent = text;
+    button.setAttribute("aria-label", still.alt ? `${text}: ${still.alt}` : text);
+  };
+  let view = null;
+  const onClose = () => {
+    view = null;
+    label("Turn it");
+  };
+  const toggle = async () => {
+    if (view) return view.close();
+    button.disabled = true;
+    try {
+      view = openView(await decode(payload.textContent), still, onClose);
+      button.disabled = false;
+      label("Back to the picture");
+    } catch (error) {
+      label(`No 3D view: ${error.message}`);
+    }
+  };
+  button.addEventListener("click", toggle);
+  label("Turn it");
+  element.append(button);
+  const place = () => {
+    button.style.right = `${element.clientWidth - still.offsetLeft - still.offsetWidth + 8}px`;
+    button.style.top = `${still.offsetTop + 8}px`;
+  };
+  const sizes = new ResizeObserver(place);
+  sizes.observe(still);
+  sizes.observe(element);
+}
+
+function start() {
+  const elements = document.querySelectorAll("[data-surface]");
+  if (!elements.length || typeof DecompressionStream === "undefined") return;
+  const first = newRenderer();
+  if (!first) return;
+  idle.push(first);
+  const style = document.createElement("style");
+  style.textContent = STYLE;
+  document.head.append(style);
+  elements.forEach(addButton);
+}
+
+if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", start);
+else start();
