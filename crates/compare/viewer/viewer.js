@@ -34,7 +34,7 @@ const MOST_VIEWS = 4;
 const KEY_STEP = Math.PI / 24;
 const STYLE = `
 [data-surface] { position: relative; }
-[data-surface] > canvas { position: absolute; cursor: grab; touch-action: none; }
+[data-surface] > canvas { position: absolute; max-width: 100%; cursor: grab; touch-action: none; }
 [data-surface] > canvas:active { cursor: grabbing; }
 [data-surface] > canvas:focus-visible { outline: 2px solid #1a5fb4; }
 [data-surface] > .turn {
@@ -43,6 +43,7 @@ const STYLE = `
 }
 [data-surface] > .turn:hover { background: #eee; }
 [data-surface] > .turn:focus-visible { outline: 2px solid #1a5fb4; outline-offset: 1px; }
+@media screen { img.turned { visibility: hidden; } }
 @media print { [data-surface] > canvas, [data-surface] > .turn { display: none; } }
 `;
 
@@ -221,7 +222,7 @@ function openView(surface, still, onClose) {
       }
       canvas.remove();
       if (!lost) idle.push(renderer);
-      still.style.visibility = "";
+      still.classList.remove("turned");
       onClose();
     },
   };
@@ -236,7 +237,7 @@ function openView(surface, still, onClose) {
   canvas.title = "Drag to turn, scroll or pinch to zoom, double-click to reset";
   resize();
   still.after(canvas);
-  still.style.visibility = "hidden";
+  still.classList.add("turned");
   sizes.observe(still);
   return view;
 }
