@@ -9,17 +9,15 @@ import {
   BufferAttribute,
   BufferGeometry,
   Color,
-  DirectionalLight,
   DoubleSide,
-  HemisphereLight,
   IcosahedronGeometry,
   InstancedMesh,
   MathUtils,
   Matrix4,
   Mesh,
-  MeshLambertMaterial,
   PerspectiveCamera,
   Scene,
+  ShaderMaterial,
   SRGBColorSpace,
   Vector3,
   WebGLRenderer,
@@ -84,43 +82,76 @@ async function decode(base64) {
 
 // --- The scene
 
-const srgb = ([r, g, b]) => new Color().setRGB(r / 255, g / 255, b / 255, SRGBColorSpace);
+const linear = ([r, g, b]) => new Color().setRGB(r / 255, g / 255, b / 255, SRGBColorSpace);
 
-function clay(surface) {
-  const linear = Float32Array.from({ length: 256 }, (_, value) => srgb([value, value, value]).r);
+// Clay under lamps that move with the camera, as in the stills: a key light from the upper left, a weak fill
+// from the right, a sky brighter than the ground, and a darker rim where the surface turns away.
+const VERTEX = `
+  uniform vec3 tint;
+  varying vec3 paint, across, towards;
+  void main() {
+    vec4 place = vec4(position, 1.0);
+    #ifdef USE_INSTANCING
+      place = instanceMatrix * place;
+    #endif
+    place = modelViewMatrix * place;
+    paint = tint;
+    #ifdef USE_COLOR
+      paint *= color;
+    #endif
+    across = normalMatrix * normal;
+    towards = -place.xyz;
+    gl_Position = projectionMatrix * place;
+  }`;
+const FRAGMENT = `
+  varying vec3 paint, across, towards;
+  const vec3 key = vec3(-0.42, 0.66, 0.62), fill = vec3(0.80, 0.10, 0.59);
+  const vec3 inside = vec3(0.62, 0.42, 0.30);
+  void main() {
+    vec3 n = normalize(across) * (gl_FrontFacing ? 1.0 : -1.0), eye = normalize(towards);
+    float sky = mix(0.20, 0.46, 0.5 + 0.5 * n.y);
+    float light = sky + 0.66 * max(dot(n, key), 0.0) + 0.16 * max(dot(n, fill), 0.0);
+    float rim = 1.0 - 0.30 * pow(1.0 - clamp(dot(n, eye), 0.0, 1.0), 3.0);
+    float shine = 0.05 * pow(max(dot(n, normalize(key + eye)), 0.0), 24.0);
+    vec3 colour = gl_FrontFacing ? paint : paint * inside;
+    gl_FragColor = vec4(mix(colour * light * rim, vec3(1.0), shine), 1.0);
+    #include <colorspace_fragment>
+  }`;
+
+function clay(options) {
+  const uniforms = { tint: { value: new Color(1, 1, 1) } };
+  return new ShaderMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms, ...options });
+}
+
+function sheet(surface) {
+  const table = Float32Array.from({ length: 256 }, (_, value) => linear([value, value, value]).r);
   const geometry = new BufferGeometry();
   geometry.setIndex(new BufferAttribute(surface.index, 1));
   geometry.setAttribute("position", new BufferAttribute(surface.positions, 3));
-  const colours = Float32Array.from(surface.colours, (value) => linear[value]);
+  const colours = Float32Array.from(surface.colours, (value) => table[value]);
   geometry.setAttribute("color", new BufferAttribute(colours, 3));
   geometry.computeVertexNormals();
-  // Pushed back so that lines on the surface are in front of it, also where it slopes.
-  const behind = { polygonOffset: true, polygonOffsetFactor: 1 + surface.lineWidth, polygonOffsetUnits: 1 };
-  return new Mesh(geometry, new MeshLambertMaterial({ vertexColors: true, side: DoubleSide, ...behind }));
+  // Pushed back by as much as it may slope under half of a line, so that lines are in front of it.
+  const behind = { polygonOffset: true, polygonOffsetFactor: 1 + surface.lineWidth / 2, polygonOffsetUnits: 1 };
+  return new Mesh(geometry, clay({ vertexColors: true, side: DoubleSide, ...behind }));
 }
 
 function lines(surface) {
   const geometry = new LineSegmentsGeometry().setPositions(surface.segments);
-  return new LineSegments2(geometry, new LineMaterial({ color: srgb(surface.lineColour) }));
+  return new LineSegments2(geometry, new LineMaterial({ color: linear(surface.lineColour) }));
 }
 
 function spheres(surface) {
   const count = surface.points.length / 3;
   const ball = new IcosahedronGeometry(surface.pointRadius, count > 2000 ? 1 : 2);
-  const mesh = new InstancedMesh(ball, new MeshLambertMaterial({ color: srgb(surface.pointColour) }), count);
+  const tint = { value: linear(surface.pointColour) };
+  const mesh = new InstancedMesh(ball, clay({ uniforms: { tint } }), count);
   const place = new Matrix4();
   for (let i = 0; i < count; i++) {
     mesh.setMatrixAt(i, place.makeTranslation(...surface.points.subarray(3 * i, 3 * i + 3)));
   }
   return mesh;
 }
-
-// Light from where the viewer stands, so that no side is dark: directions in the camera's frame.
-const LIGHTS = [
-  { make: () => new HemisphereLight(0xffffff, 0xb8b4b0, 0.55 * Math.PI), from: [0, 1, 0.3] },
-  { make: () => new DirectionalLight(0xffffff, 0.42 * Math.PI), from: [-0.5, 0.7, 1] },
-  { make: () => new DirectionalLight(0xffffff, 0.12 * Math.PI), from: [0.9, 0.1, 0.6] },
-];
 
 // --- Views, each with a renderer from a small pool
 
@@ -146,11 +177,10 @@ function openView(surface, still, onClose) {
   if (!renderer) throw new Error("the browser gives no WebGL context");
   const canvas = renderer.domElement;
   const scene = new Scene();
-  const parts = [clay(surface)];
+  const parts = [sheet(surface)];
   if (surface.segments.length) parts.push(lines(surface));
   if (surface.points.length) parts.push(spheres(surface));
-  const lights = LIGHTS.map(({ make, from }) => ({ light: make(), from: new Vector3(...from) }));
-  scene.add(...parts, ...lights.map(({ light }) => light));
+  scene.add(...parts);
 
   const camera = new PerspectiveCamera(MathUtils.radToDeg(surface.fieldOfView));
   camera.position.fromArray(surface.eye);
@@ -171,7 +201,6 @@ function openView(surface, still, onClose) {
     camera.far = distance + 1.1 * radius;
     camera.near = Math.max(distance - 1.1 * radius, 0.002 * camera.far);
     camera.updateProjectionMatrix();
-    for (const { light, from } of lights) light.position.copy(from).applyQuaternion(camera.quaternion);
     renderer.render(scene, camera);
   };
   const drawSoon = () => (frame ||= requestAnimationFrame(draw));

@@ -25,7 +25,7 @@ const MAGIC: u32 = u32::from_le_bytes(*b"MSV1");
 /// Steps across the box in each direction.
 const STEPS: f64 = u16::MAX as f64;
 /// Colour of vertices that have none, in sRGB.
-pub const CLAY: [u8; 3] = [214, 205, 194];
+pub const CLAY: [u8; 3] = [214, 208, 198];
 
 /// A surface as it is looked at. Lengths are those of `positions`, colours are sRGB.
 #[derive(Clone, Copy, Debug)]
