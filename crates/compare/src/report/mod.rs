@@ -1,7 +1,9 @@
 //! A report as terminal tables, CSV, JSON and Markdown.
 
 mod quantities;
+pub mod surface_payload;
 mod tables;
+pub mod viewer;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
