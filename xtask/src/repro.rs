@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use msplines_compare::campaign::{Campaign, Report, Reuse};
 use msplines_compare::display::{Display, Verbosity};
-use msplines_compare::report;
+use msplines_compare::report::viewer::{Viewer, bundle};
+use msplines_compare::report::{self, PageOptions};
 use msplines_compare::row_process::{RowProgram, answer};
 
 use crate::tree::root;
@@ -43,6 +44,9 @@ pub(crate) struct Args {
     /// Seconds after which any row is given up, where that is sooner than its own limit.
     #[arg(long, value_name = "SECONDS")]
     time_limit: Option<f64>,
+    /// Leave out the 3D views, which need Node.js.
+    #[arg(long)]
+    still: bool,
     /// Write docs/results as well, which --full does when every row ran; not with an item.
     #[arg(long)]
     write_docs: bool,
@@ -63,7 +67,7 @@ pub(crate) fn run(args: &Args) -> Result<(), String> {
         .run(&Display::new(Verbosity::Normal))
         .map_err(|e| e.to_string())?;
     print!("{}", report::terminal(&report));
-    let mut written = report::write(&report, &args.out).map_err(|e| e.to_string())?;
+    let mut written = write(&report, args, &root)?;
     let is_whole = args.item.is_none();
     if is_whole && (args.write_docs || args.full && is_complete(&report)) {
         written.extend(write_docs(&report, &root)?);
@@ -71,7 +75,9 @@ pub(crate) fn run(args: &Args) -> Result<(), String> {
     for path in written {
         println!("wrote {}", path.display());
     }
-    conclude(&report)
+    let ended = conclude(&report);
+    println!("the report: {}", args.out.join("index.html").display());
+    ended
 }
 
 fn campaign(args: &Args, root: &Path) -> Result<Campaign, String> {
@@ -99,6 +105,30 @@ fn campaign(args: &Args, root: &Path) -> Result<Campaign, String> {
             arguments,
         },
     })
+}
+
+/// Side of the pictures in a report, in pixels.
+const PICTURE: usize = 800;
+
+/// Draws the pictures and writes the report, and says how long that took.
+fn write(report: &Report, args: &Args, root: &Path) -> Result<Vec<PathBuf>, String> {
+    let started = Instant::now();
+    let viewer = if args.still {
+        Viewer::Absent("--still asked for them".to_owned())
+    } else {
+        bundle(&args.out.join("viewer"))
+    };
+    if let Viewer::Absent(reason) = &viewer {
+        println!("surfaces in the report are still pictures: {reason}");
+    }
+    let options = PageOptions {
+        experiments: &root.join("data/experiments"),
+        pixels: PICTURE,
+        viewer: &viewer,
+    };
+    let written = report::write(report, &args.out, &options).map_err(|e| e.to_string())?;
+    println!("report made in {:.1} s", started.elapsed().as_secs_f64());
+    Ok(written)
 }
 
 /// Returns whether every row ran.

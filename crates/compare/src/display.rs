@@ -141,8 +141,9 @@ impl Overall {
             && let Some(remaining) = done.remaining(total)
         {
             let remaining = remaining.as_secs();
-            self.display
-                .line(&format!("{ended} of {total} rows, about {remaining} s remaining"));
+            self.display.line(&format!(
+                "{ended} of {total} rows, about {remaining} s remaining"
+            ));
         }
     }
 

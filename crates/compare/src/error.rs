@@ -56,7 +56,9 @@ pub enum RunError {
         reason: String,
     },
     /// A file of points that cannot be the places of knots.
-    #[error("--knots-from {file}: {reason}; give a mesh or point file whose vertices are the places")]
+    #[error(
+        "--knots-from {file}: {reason}; give a mesh or point file whose vertices are the places"
+    )]
     KnotPoints {
         /// The file.
         file: String,
@@ -101,7 +103,9 @@ impl RunError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Amount { .. } | Self::UnknownOutput { .. } | Self::Write { .. } => exit::USAGE,
-            Self::Input { .. } | Self::KnotPoints { .. } | Self::NoSuchAttribute { .. } => exit::INPUT,
+            Self::Input { .. } | Self::KnotPoints { .. } | Self::NoSuchAttribute { .. } => {
+                exit::INPUT
+            }
             Self::Spline(error) => error.exit_code(),
             Self::Biharmonic(_) | Self::LsMesh(_) | Self::Distance(_) | Self::NotFinite { .. } => {
                 exit::METHOD

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use msplines_common::Point3;
 use msplines_common::mesh::{Facts, Policy, PolygonSoup, TriangleMesh, VertexAttribute, accept};
-use msplines_io::{read_soup, sha256_file};
+use msplines_io::{read_points, read_soup, sha256_file};
 use rayon::prelude::*;
 
 use crate::case::{Data, Input};
@@ -81,12 +81,30 @@ pub fn load(input: &Input, clock: &mut PhaseClock) -> Result<LoadedInput, RunErr
     Ok(loaded)
 }
 
-/// Returns the mesh of an input.
+/// Returns the triangles of a file with their attributes, whatever shape they have; for files that
+/// this program wrote.
 ///
 /// # Errors
-/// As [`load`].
-pub fn load_mesh(input: &Input) -> Result<TriangleMesh, RunError> {
-    Ok(load(input, &mut PhaseClock::start(std::time::Instant::now()))?.mesh)
+/// A file that cannot be read, or whose faces are no manifold of triangles.
+pub fn read_surface(path: &Path) -> Result<(TriangleMesh, Vec<VertexAttribute>), RunError> {
+    let refused = |reason: String| RunError::Input {
+        file: file_name(path),
+        reason,
+    };
+    let soup = read_soup(path).map_err(|e| refused(e.to_string()))?;
+    let faces: Option<Vec<[u32; 3]>> = (0..soup.face_count())
+        .map(|face| {
+            let corners: [i64; 3] = soup.face(face).try_into().ok()?;
+            let mut ids = [0; 3];
+            for (id, corner) in ids.iter_mut().zip(corners) {
+                *id = u32::try_from(corner).ok()?;
+            }
+            Some(ids)
+        })
+        .collect();
+    let faces = faces.ok_or_else(|| refused("not all of its faces are triangles".to_owned()))?;
+    let mesh = TriangleMesh::build(soup.positions, faces).map_err(|e| refused(e.to_string()))?;
+    Ok((mesh, soup.attributes))
 }
 
 /// Returns the domain of a stored spline: the embedded mesh, or the given file where it has the
@@ -243,18 +261,15 @@ fn missing_attribute(name: &str, input: &LoadedInput) -> RunError {
 /// and each once. Cost: points times vertices.
 ///
 /// # Errors
-/// A file that cannot be read, or whose points are none or not finite.
+/// A file that cannot be read, or whose points are not all finite.
 pub fn nearest_vertices(mesh: &TriangleMesh, points: &Path) -> Result<Vec<u32>, RunError> {
     let refused = |reason: String| RunError::KnotPoints {
         file: file_name(points),
         reason,
     };
-    let soup = read_soup(points).map_err(|e| refused(e.to_string()))?;
-    if soup.positions.is_empty() {
-        return Err(refused("it has no points".to_owned()));
-    }
+    let places = read_points(points).map_err(|e| refused(e.to_string()))?;
     let finite = |p: &Point3<f64>| p.iter().all(|x| x.is_finite());
-    if let Some(index) = soup.positions.iter().position(|p| !finite(p)) {
+    if let Some(index) = places.iter().position(|p| !finite(p)) {
         return Err(refused(format!("point {index} is not finite")));
     }
     let nearest = |point: &Point3<f64>| {
@@ -267,7 +282,7 @@ pub fn nearest_vertices(mesh: &TriangleMesh, points: &Path) -> Result<Vec<u32>, 
         }
         best.1
     };
-    let mut vertices: Vec<u32> = soup.positions.par_iter().map(nearest).collect();
+    let mut vertices: Vec<u32> = places.par_iter().map(nearest).collect();
     vertices.sort_unstable();
     vertices.dedup();
     Ok(vertices)

@@ -10,9 +10,9 @@ use msplines_common::metrics::{
 
 use serde_json::{Value, json};
 
-use crate::case::{Data, Input};
+use crate::case::Data;
 use crate::error::RunError;
-use crate::input::{FitData, LoadedInput, load_mesh};
+use crate::input::{FitData, LoadedInput, read_surface};
 use crate::spline_file::StoredSpline;
 
 /// Points drawn from each surface.
@@ -97,11 +97,7 @@ pub fn to_reference(
     values: &[f64],
     seed: u64,
 ) -> Result<[(String, Value); 3], RunError> {
-    let path = reference.to_owned();
-    let other = load_mesh(&Input::File {
-        path,
-        repair: false,
-    })?;
+    let (other, _) = read_surface(reference)?;
     let positions = values.chunks_exact(3).map(Point3::from_slice).collect();
     let found = distance(&other, &mesh.with_positions(positions), SAMPLES, seed)?;
     let scale = other.diagonal() / input.diagonal();

@@ -121,7 +121,9 @@ pub fn write_row_files(folder: &Path, output: &RunOutput) -> Result<(), RunError
     )?;
     // The vertices of the domain come first on every subdivision.
     let places = output.spline.spline.knots().iter();
-    let positions: Vec<Point3<f64>> = places.map(|&v| output.mesh.positions()[v as usize]).collect();
+    let positions: Vec<Point3<f64>> = places
+        .map(|&v| output.mesh.positions()[v as usize])
+        .collect();
     let points = Surface {
         positions: &positions,
         faces: &[],

@@ -63,7 +63,13 @@ pub fn run(
     }
     let mut checks = fitted.checks;
     if let Some(path) = &case.reference {
-        checks.extend(measure::to_reference(path, &input.mesh, &mesh, &values, case.seed)?);
+        checks.extend(measure::to_reference(
+            path,
+            &input.mesh,
+            &mesh,
+            &values,
+            case.seed,
+        )?);
     }
     let options = options(case, &fitted.options);
     let spline = SplineFile::new(domain(case, &input), options, fitted.stored);

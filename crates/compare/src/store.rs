@@ -322,7 +322,10 @@ mod tests {
         let key = |case: &Case, sha: &str, threads| row_key(case, sha, threads).expect("readable");
         let base = key(&case("a/m.ply"), "00", 2);
         assert_eq!(key(&case("b/m.ply"), "00", 2), base);
-        let mut others = vec![key(&case("a/m.ply"), "01", 2), key(&case("a/m.ply"), "00", 1)];
+        let mut others = vec![
+            key(&case("a/m.ply"), "01", 2),
+            key(&case("a/m.ply"), "00", 1),
+        ];
         let mut seeded = case("a/m.ply");
         seeded.seed = 1;
         others.push(key(&seeded, "00", 2));

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use msplines_compare::campaign::{Campaign, Report, RowResult};
+use msplines_compare::campaign::{Campaign, Report, Reuse, RowResult};
 use msplines_compare::display::{Display, Verbosity};
 use msplines_compare::report;
 use msplines_compare::row_process::RowProgram;
@@ -135,16 +135,19 @@ fn campaign(root: &Path) -> Campaign {
     let interpreter = RowProgram {
         program: "/bin/sh".into(),
         arguments: vec![program.display().to_string()],
+        fingerprint: program,
     };
     Campaign {
         root: root.to_owned(),
         paper: None,
         item: None,
+        row: None,
         models: Some(root.join("models")),
         full: false,
         out: root.join("report"),
-        fresh: false,
+        reuse: Reuse::Finished,
         jobs: 1,
+        time_limit: None,
         program: interpreter,
     }
 }
@@ -173,7 +176,7 @@ fn rows_run_are_judged_and_are_not_run_again() {
     assert_eq!(project.run(), report);
     assert_eq!(project.runs(), 2);
     let fresh = Campaign {
-        fresh: true,
+        reuse: Reuse::Nothing,
         ..campaign(project.folder.path())
     };
     assert_eq!(run(&fresh), report);

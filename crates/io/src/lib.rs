@@ -35,4 +35,4 @@ pub use digest::sha256_file;
 pub use error::{Place, ReadError};
 pub use format::Format;
 pub use output::{OutputFormat, Surface, WriteError, write_atomically, write_surface};
-pub use read::{parse_soup, read_soup};
+pub use read::{parse_soup, read_points, read_soup};

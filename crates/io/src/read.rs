@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use msplines_common::mesh::PolygonSoup;
+use nalgebra::Point3;
 
 use crate::{Format, ReadError, obj, off, ply, stl};
 
@@ -16,13 +17,23 @@ use crate::{Format, ReadError, obj, off, ply, stl};
 /// The file cannot be read, is in no known format, breaks the rules of its format, ends early, or
 /// holds no vertices or no faces.
 pub fn read_soup(path: &Path) -> Result<PolygonSoup, ReadError> {
-    match fs::read(path) {
-        Ok(bytes) => parse_soup(path, &bytes),
-        Err(source) => Err(ReadError::Open {
-            path: path.to_owned(),
-            source,
-        }),
-    }
+    parse_soup(path, &bytes_of(path)?)
+}
+
+/// Returns the vertex positions of a file, in file order; it may hold points and no faces.
+///
+/// # Errors
+/// As [`read_soup`], but for the faces.
+pub fn read_points(path: &Path) -> Result<Vec<Point3<f64>>, ReadError> {
+    let (_, soup) = parse_any(path, &bytes_of(path)?)?;
+    Ok(soup.positions)
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
+    fs::read(path).map_err(|source| ReadError::Open {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 /// Returns what [`read_soup`] does for a file with these bytes; `path` names it in errors.
@@ -30,6 +41,19 @@ pub fn read_soup(path: &Path) -> Result<PolygonSoup, ReadError> {
 /// # Errors
 /// As [`read_soup`].
 pub fn parse_soup(path: &Path, bytes: &[u8]) -> Result<PolygonSoup, ReadError> {
+    let (format, soup) = parse_any(path, bytes)?;
+    if soup.face_count() == 0 {
+        return Err(ReadError::NoFaces {
+            path: path.to_owned(),
+            format,
+            vertices: soup.positions.len(),
+        });
+    }
+    Ok(soup)
+}
+
+/// Returns what a file holds, and in which format, if it holds vertices.
+fn parse_any(path: &Path, bytes: &[u8]) -> Result<(Format, PolygonSoup), ReadError> {
     if bytes.is_empty() {
         return Err(ReadError::Empty {
             path: path.to_owned(),
@@ -48,7 +72,7 @@ pub fn parse_soup(path: &Path, bytes: &[u8]) -> Result<PolygonSoup, ReadError> {
     };
     let soup = parsed.map_err(|fault| fault.in_file(path.to_owned(), format))?;
     check_size(path, format, &soup)?;
-    Ok(soup)
+    Ok((format, soup))
 }
 
 fn check_size(path: &Path, format: Format, soup: &PolygonSoup) -> Result<(), ReadError> {
@@ -58,13 +82,6 @@ fn check_size(path: &Path, format: Format, soup: &PolygonSoup) -> Result<(), Rea
         return Err(ReadError::NoVertices {
             path: path(),
             format,
-        });
-    }
-    if soup.face_count() == 0 {
-        return Err(ReadError::NoFaces {
-            path: path(),
-            format,
-            vertices,
         });
     }
     if vertices >= u32::MAX as usize || corners >= u32::MAX as usize {

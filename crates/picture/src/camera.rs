@@ -146,6 +146,25 @@ impl Camera {
         self.eye
     }
 
+    /// Returns a point in the middle of the picture, about as far away as what is looked at.
+    #[must_use]
+    pub fn target(&self) -> Point3<f64> {
+        let tangent = self.tangents[0].min(self.tangents[1]);
+        self.eye + self.axes.row(2).transpose() * (self.radius / tangent)
+    }
+
+    /// Returns the direction that is up in the picture, of length one.
+    #[must_use]
+    pub fn up(&self) -> Vector3<f64> {
+        -self.axes.row(1).transpose()
+    }
+
+    /// Returns the angle that the height of the framed rectangle spans, in radians.
+    #[must_use]
+    pub fn field_of_view(&self) -> f64 {
+        2.0 * self.tangents[1].atan()
+    }
+
     /// Returns half the diagonal of the box around what is framed.
     #[must_use]
     pub fn radius(&self) -> f64 {

@@ -19,7 +19,11 @@ pub(super) fn exchange(
     let count = state.knots().len();
     let (mut share, mut tried, mut kept) = (plan.exchange, 0, 0);
     while tried < plan.rounds && share >= SMALLEST_SHARE {
-        if run.stop(u64::from(tried), u64::from(plan.rounds), state.root_mean_square()) {
+        if run.stop(
+            u64::from(tried),
+            u64::from(plan.rounds),
+            state.root_mean_square(),
+        ) {
             break;
         }
         let inserted = state.most_wanted(((count as f64 * share) as usize).max(1));

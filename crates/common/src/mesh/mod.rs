@@ -36,6 +36,6 @@ pub use facts::{Facts, Range};
 pub use preflight::{Preflight, preflight};
 pub use repairs::{Affected, Repair};
 pub use soup::{PolygonSoup, VertexAttribute};
-pub use subdivision::{SubdivisionMap, subdivide_loop, subdivide_midpoint};
+pub use subdivision::{SubdivisionMap, edge_pieces, subdivide_loop, subdivide_midpoint};
 pub use topology::{NONE, Topology, TopologyError};
 pub use triangle::{SurfacePoint, TriangleMesh};

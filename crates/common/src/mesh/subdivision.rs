@@ -66,6 +66,37 @@ pub fn subdivide_midpoint(mesh: &TriangleMesh, rounds: u32) -> (TriangleMesh, Su
     (current, SubdivisionMap { points, rounds })
 }
 
+/// Returns the pieces of the edges of a mesh on its subdivision, as pairs of vertices.
+///
+/// `fine` are the faces after `rounds` of either scheme; every edge has `2^rounds` pieces, which
+/// stand one after another, in the order of [`Topology::edge_half_edge`].
+///
+/// # Panics
+/// If `fine` has not `4^rounds` faces per face.
+#[must_use]
+pub fn edge_pieces(topology: &Topology, fine: &[[u32; 3]], rounds: u32) -> Vec<[u32; 2]> {
+    assert_eq!(
+        fine.len(),
+        topology.face_count() << (2 * rounds),
+        "faces of another subdivision"
+    );
+    let edges = 0..topology.edge_count() as u32;
+    let mut halves: Vec<u32> = edges.map(|edge| topology.edge_half_edge(edge)).collect();
+    for _ in 0..rounds {
+        // Side i of face f runs along the first side of child i and the last one of child i + 1.
+        let cut = |half_edge: &u32| {
+            let (face, side) = (half_edge / 3, half_edge % 3);
+            [3 * (4 * face + side), 3 * (4 * face + (side + 1) % 3) + 2]
+        };
+        halves = halves.iter().flat_map(cut).collect();
+    }
+    let ends = |half_edge: u32| {
+        let (face, side) = (fine[(half_edge / 3) as usize], (half_edge % 3) as usize);
+        [face[side], face[(side + 1) % 3]]
+    };
+    halves.into_iter().map(ends).collect()
+}
+
 /// Returns the mesh after `rounds` of Loop subdivision; a boundary becomes a cubic B-spline curve
 /// that depends on the boundary alone.
 ///
@@ -166,6 +197,25 @@ fn cut(topology: &Topology, positions: Vec<Point3<f64>>) -> TriangleMesh {
 mod tests {
     use super::*;
     use crate::mesh::{Facts, shapes, zoo};
+
+    #[test]
+    fn the_pieces_of_an_edge_join_its_ends_in_a_straight_line() {
+        let mesh = shapes::torus(2.0, 1.0, 60);
+        let (fine, _) = subdivide_midpoint(&mesh, 2);
+        let pieces = edge_pieces(mesh.topology(), fine.faces(), 2);
+        assert_eq!(pieces.len(), 4 * mesh.topology().edge_count());
+        for (edge, pieces) in pieces.chunks(4).enumerate() {
+            let ends = mesh.topology().edge_vertices(edge as u32);
+            assert_eq!([pieces[0][0], pieces[3][1]], ends);
+            assert!(pieces.windows(2).all(|pair| pair[0][1] == pair[1][0]));
+            let [a, b] = ends.map(|v| fine.positions()[v as usize]);
+            for (index, piece) in pieces.iter().enumerate() {
+                let expected = a + (b - a) * (index as f64 / 4.0);
+                let found = fine.positions()[piece[0] as usize];
+                assert!((found - expected).norm() < 1e-12);
+            }
+        }
+    }
 
     #[test]
     fn planar_subdivision_keeps_surface_ids_and_topology() {

@@ -320,7 +320,9 @@ fn item_report(experiment: Experiment, mut rows: Vec<RowReport>) -> ItemReport {
             .and_then(|(_, mean)| *mean);
         report.judgement.claim_holds = ours.zip(theirs).map(|(ours, theirs)| ours < theirs);
     }
-    let seconds = rows.iter().filter_map(|row| Some(row.trace.as_ref()?.seconds));
+    let seconds = rows
+        .iter()
+        .filter_map(|row| Some(row.trace.as_ref()?.seconds));
     ItemReport {
         seconds: seconds.sum(),
         paper: experiment.paper,

@@ -6,9 +6,7 @@ use std::sync::{Condvar, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
 use super::plan::{Plan, Planned, plan};
-use super::{
-    Campaign, CampaignError, Reuse, RowReport, RowResult, Sources, Trace, output_error,
-};
+use super::{Campaign, CampaignError, Reuse, RowReport, RowResult, Sources, Trace, output_error};
 use crate::display::{Display, Overall};
 use crate::experiment::{Ancestors, Experiment, Row};
 use crate::machine::Machine;
@@ -86,13 +84,7 @@ impl Schedule<'_> {
     ) -> Result<RowReport, CampaignError> {
         let row = item.row;
         let planned = match board.ancestors(item) {
-            Ok(ancestors) => plan(
-                self.campaign,
-                &self.manifest,
-                &self.models,
-                row,
-                &ancestors,
-            ),
+            Ok(ancestors) => plan(self.campaign, &self.manifest, &self.models, row, &ancestors),
             Err(missing) => Plan {
                 provenance: Provenance::Generated,
                 run: Err(RowResult::NotRun(format!(
@@ -246,7 +238,9 @@ impl Schedule<'_> {
 
     /// Returns the command that runs a row again, on whatever folder of models.
     fn command(&self, item: &Item<'_>) -> String {
-        let Experiment { paper, item: name, .. } = item.experiment;
+        let Experiment {
+            paper, item: name, ..
+        } = item.experiment;
         let mut command = format!("cargo xtask repro {paper} {name} {}", item.row.id);
         if item.row.model.is_some() {
             command.push_str(" --models DIR");

@@ -101,10 +101,6 @@ pub enum UpAxis {
     Y,
     /// The third.
     Z,
-    /// The second, downwards.
-    MinusY,
-    /// The third, downwards.
-    MinusZ,
 }
 
 /// A magnified part of a picture; lengths are fractions of its side.

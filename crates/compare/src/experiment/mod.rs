@@ -212,7 +212,10 @@ impl Experiment {
         });
         for (id, rows, mixed) in figures.chain(plots) {
             if !ids.insert(id) {
-                return Some((id.clone(), "two figures have this id; rename one".to_owned()));
+                return Some((
+                    id.clone(),
+                    "two figures have this id; rename one".to_owned(),
+                ));
             }
             if let Some(row) = rows.into_iter().find(|row| !self.has_row(row)) {
                 return Some((id.clone(), format!("names no row of this file: `{row}`")));
@@ -223,6 +226,35 @@ impl Experiment {
             }
         }
         None
+    }
+}
+
+/// What is known of a paper, from `paper.toml` in the folder of its experiments.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PaperFacts {
+    /// What a report calls it.
+    pub title: String,
+    /// Authors, title, place and year.
+    pub citation: String,
+}
+
+impl PaperFacts {
+    /// Key of the folder that compares all methods and is no paper.
+    pub const ACROSS: &'static str = "across";
+    /// Name of the file.
+    pub const FILE: &'static str = "paper.toml";
+
+    /// Reads the facts of the paper `key` below the folder of all experiments; a paper without
+    /// the file is called by its key.
+    #[must_use]
+    pub fn read(experiments: &Path, key: &str) -> Self {
+        let text = std::fs::read_to_string(experiments.join(key).join(Self::FILE));
+        let facts = text.ok().and_then(|text| toml::from_str(&text).ok());
+        facts.unwrap_or_else(|| Self {
+            title: key.to_owned(),
+            citation: String::new(),
+        })
     }
 }
 
@@ -239,10 +271,8 @@ pub fn experiments(
     let mut all = Vec::new();
     for paper_folder in entries(folder)? {
         for file in entries(&paper_folder)? {
-            if file
-                .extension()
-                .is_some_and(|extension| extension == "toml")
-            {
+            let is_toml = file.extension().is_some_and(|e| e == "toml");
+            if is_toml && !file.ends_with(PaperFacts::FILE) {
                 all.push(Experiment::read(&file)?);
             }
         }

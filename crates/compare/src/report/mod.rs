@@ -1,5 +1,7 @@
-//! A report as terminal tables, CSV, JSON and Markdown.
+//! A report as terminal tables, CSV, JSON, Markdown, and as one page with its pictures.
 
+pub mod drawing;
+pub mod html;
 mod quantities;
 pub mod surface_payload;
 mod tables;
@@ -14,7 +16,7 @@ use comfy_table::presets::UTF8_FULL_CONDENSED;
 use crate::campaign::{CampaignError, Report, RowReport};
 
 pub use quantities::{Quantity, Unit, cost_quantities, error_quantity};
-pub use tables::{Table, cost_table, error_table, notes};
+pub use tables::{Cell, Table, cost_table, error_table, notes};
 
 /// Returns the report for a terminal.
 #[must_use]
@@ -73,14 +75,13 @@ pub fn markdown(report: &Report, paper: &str) -> String {
 }
 
 fn push_markdown_table(text: &mut String, table: &Table) {
-    let line = |cells: &[String]| {
-        let cells: Vec<String> = cells.iter().map(|c| cell(c)).collect();
-        format!("| {} |", cells.join(" | "))
+    let mut line = |cells: Vec<String>| {
+        let _ = writeln!(text, "| {} |", cells.join(" | "));
     };
-    let _ = writeln!(text, "{}", line(&table.header));
-    let _ = writeln!(text, "|{}", "---|".repeat(table.header.len()));
+    line(table.header.iter().map(|name| cell(name)).collect());
+    line(vec!["---".to_owned(); table.header.len()]);
     for row in &table.rows {
-        let _ = writeln!(text, "{}", line(row));
+        line(row.iter().map(|c| cell(&c.text)).collect());
     }
     text.push('\n');
 }
@@ -134,7 +135,7 @@ fn csv_line(
     let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
     let row = &report.row;
     let domain = row.model.as_ref().or(row.surface.as_ref());
-        let regression = serde_json::to_value(report.judgement.regression).unwrap_or_default();
+    let regression = serde_json::to_value(report.judgement.regression).unwrap_or_default();
     let verdict = if is_judged {
         report.judgement.verdict.text()
     } else {
@@ -169,12 +170,27 @@ fn csv_line(
     ]
 }
 
-/// Writes `report.json`, `report.csv` and one `PAPER.md` per paper into `folder`, and returns
-/// their paths.
+/// How the page of a report is made.
+#[derive(Clone, Copy, Debug)]
+pub struct PageOptions<'a> {
+    /// The project's folder of experiments, which says what the papers are called.
+    pub experiments: &'a Path,
+    /// Side of a picture in pixels.
+    pub pixels: usize,
+    /// The script that makes pictures turnable.
+    pub viewer: &'a viewer::Viewer,
+}
+
+/// Writes `index.html`, `report.json`, `report.csv` and one `PAPER.md` per paper into `folder`, and
+/// returns their paths.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(report: &Report, folder: &Path) -> Result<Vec<PathBuf>, CampaignError> {
+pub fn write(
+    report: &Report,
+    folder: &Path,
+    options: &PageOptions<'_>,
+) -> Result<Vec<PathBuf>, CampaignError> {
     let mut written = Vec::new();
     let mut put = |name: String, bytes: std::io::Result<Vec<u8>>| {
         let path = folder.join(name);
@@ -186,6 +202,7 @@ pub fn write(report: &Report, folder: &Path) -> Result<Vec<PathBuf>, CampaignErr
         written.push(path);
         Ok::<(), CampaignError>(())
     };
+    put("index.html".to_owned(), page(report, options))?;
     let json = serde_json::to_vec_pretty(report).map_err(std::io::Error::from);
     put("report.json".to_owned(), json)?;
     put("report.csv".to_owned(), csv(report))?;
@@ -196,6 +213,17 @@ pub fn write(report: &Report, folder: &Path) -> Result<Vec<PathBuf>, CampaignErr
         )?;
     }
     Ok(written)
+}
+
+fn page(report: &Report, options: &PageOptions<'_>) -> std::io::Result<Vec<u8>> {
+    let views = match options.viewer {
+        viewer::Viewer::Script(_) => drawing::Views::Turnable,
+        viewer::Viewer::Absent(_) => drawing::Views::Still,
+    };
+    let pixels = options.pixels;
+    let drawings = drawing::draw(report, drawing::DrawingOptions { pixels, views });
+    let page = html::page(report, &drawings, options.viewer, options.experiments);
+    page.map(String::into_bytes).map_err(std::io::Error::other)
 }
 
 /// Returns the papers of a report, each once.

@@ -50,7 +50,9 @@ impl Unit {
     #[must_use]
     pub fn show(self, value: f64) -> String {
         match self {
-            Self::Fraction if value != 0.0 && value.abs() < 1e-6 => format!("{:.1e} %", 100.0 * value),
+            Self::Fraction if value != 0.0 && value.abs() < 1e-6 => {
+                format!("{:.1e} %", 100.0 * value)
+            }
             Self::Fraction => format!("{:.4} %", 100.0 * value),
             Self::Decibel => format!("{value:.1} dB"),
             Self::Seconds if value < 10.0 => format!("{value:.2} s"),
@@ -147,8 +149,9 @@ pub(super) fn absence(report: &RowReport) -> Option<String> {
 }
 
 fn phase_seconds(record: &Record, names: &[&str]) -> f64 {
-    names
+    let phases = names
         .iter()
-        .filter_map(|&name| record.seconds.phases.get(name))
-        .sum()
+        .filter_map(|&name| record.seconds.phases.get(name));
+    // An empty sum of floating-point numbers is -0.
+    phases.fold(0.0, |sum, seconds| sum + seconds)
 }

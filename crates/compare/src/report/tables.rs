@@ -6,15 +6,47 @@ use crate::verdict::{Bound, Regression};
 
 use super::quantities::{Quantity, Unit, absence, cost_quantities, error_quantity};
 
-/// A table of texts.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A cell: what people read, and the number behind it, by which a column is sorted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    /// What people read.
+    pub text: String,
+    /// The number behind it.
+    pub value: Option<f64>,
+}
+
+impl Cell {
+    fn text(text: impl Into<String>) -> Self {
+        Self {
+            text: text.into(),
+            value: None,
+        }
+    }
+
+    /// Returns a cell that shows `value` by `show`, or says that there is none.
+    fn number(value: Option<f64>, show: impl FnOnce(f64) -> String) -> Self {
+        Self {
+            text: value.map_or_else(|| NONE.to_owned(), show),
+            value,
+        }
+    }
+}
+
+impl std::fmt::Display for Cell {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+/// A table.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// What stands above it.
     pub title: String,
     /// Names of the columns.
     pub header: Vec<String>,
     /// Cells, row after row.
-    pub rows: Vec<Vec<String>>,
+    pub rows: Vec<Vec<Cell>>,
 }
 
 /// An absent value.
@@ -44,7 +76,9 @@ pub fn error_table(item: &ItemReport) -> Table {
         let mut cells = error_cells(report);
         if has_distance {
             let found = distance(report);
-            cells.push(found.map_or(NONE.to_owned(), |d| Unit::Fraction.show(d.rms)));
+            cells.push(Cell::number(found.map(|d| d.rms), |v| {
+                Unit::Fraction.show(v)
+            }));
         }
         cells
     };
@@ -55,55 +89,57 @@ pub fn error_table(item: &ItemReport) -> Table {
     }
 }
 
-fn error_cells(report: &RowReport) -> Vec<String> {
+fn error_cells(report: &RowReport) -> Vec<Cell> {
     let quantity = error_quantity(report);
     let record = report.result.record();
-    let show = |value: Option<f64>| value.map_or(NONE.to_owned(), |v| quantity.unit.show(v));
+    let show = |value: Option<f64>| Cell::number(value, |v| quantity.unit.show(v));
+    let vertices = record.map(|record| record.input.vertices as f64);
     let knots = record.and_then(|record| {
-        record
-            .checks
-            .get("knots")
-            .or_else(|| record.checks.get("controls"))?
-            .as_u64()
+        let checks = &record.checks;
+        let knots = checks.get("knots").or_else(|| checks.get("controls"))?;
+        knots.as_f64()
     });
-    let recorded = report.row.recorded;
-    let judgement = &report.judgement;
+    let tolerance =
+        (quantity.paper.is_some() && report.row.tolerance > 0.0).then_some(report.row.tolerance);
     vec![
-        report.row.label.clone(),
-        record.map_or(NONE.to_owned(), |record| record.input.vertices.to_string()),
-        knots.map_or(report.row.asked_knots(), |knots| knots.to_string()),
+        Cell::text(&report.row.label),
+        Cell::number(vertices, |v| Unit::Count.show(v)),
+        match knots {
+            Some(_) => Cell::number(knots, |v| Unit::Count.show(v)),
+            None => Cell::text(report.row.asked_knots()),
+        },
         show(quantity.paper),
         show(quantity.ours),
         ratio(quantity.ratio),
-        if quantity.paper.is_some() && report.row.tolerance > 0.0 {
-            format!("{:.0} %", 100.0 * report.row.tolerance)
-        } else {
-            NONE.to_owned()
-        },
-        verdict(report),
-        recorded.map_or(NONE.to_owned(), |recorded| {
-            format!(
-                "{}{:.4} % (+{:.0} %)",
-                // Decibels are recorded as the mean error behind them.
-                if quantity.unit == Unit::Decibel {
-                    "mean "
-                } else {
-                    ""
-                },
-                100.0 * recorded.error,
-                100.0 * recorded.tolerance
-            )
+        Cell::number(tolerance, |t| format!("{:.0} %", 100.0 * t)),
+        Cell::text(verdict(report)),
+        recorded_cell(report, quantity.unit),
+        Cell::text(match report.judgement.regression {
+            Regression::NotRecorded => NONE,
+            Regression::Kept => "kept",
+            Regression::Improved => "improved",
+            Regression::Regressed => "REGRESSED",
         }),
-        match judgement.regression {
-            Regression::NotRecorded => NONE.to_owned(),
-            Regression::Kept => "kept".to_owned(),
-            Regression::Improved => "improved".to_owned(),
-            Regression::Regressed => "REGRESSED".to_owned(),
-        },
     ]
 }
 
-fn verdict(report: &RowReport) -> String {
+/// Decibels are recorded as the mean error behind them.
+fn recorded_cell(report: &RowReport, unit: Unit) -> Cell {
+    let Some(recorded) = report.row.recorded else {
+        return Cell::text(NONE);
+    };
+    let of_what = if unit == Unit::Decibel { "mean " } else { "" };
+    Cell::number(Some(recorded.error), |error| {
+        let tolerance = 100.0 * recorded.tolerance;
+        format!(
+            "{of_what}{} (+{tolerance:.0} %)",
+            Unit::Fraction.show(error)
+        )
+    })
+}
+
+/// Returns what is said about a row.
+pub(super) fn verdict(report: &RowReport) -> String {
     let mut text = absence(report).unwrap_or_else(|| {
         let text = report.judgement.verdict.text();
         match report.provenance {
@@ -156,15 +192,14 @@ pub fn cost_table(item: &ItemReport, times: Times) -> Table {
     }
 }
 
-fn cost_cells(report: &RowReport, evaluates: bool) -> Vec<String> {
+fn cost_cells(report: &RowReport, evaluates: bool) -> Vec<Cell> {
     let quantities = cost_quantities(report);
     let find = |name: &str| quantities.iter().find(|quantity| quantity.name == name);
     let show = |quantity: Option<&Quantity>, value: fn(&Quantity) -> Option<f64>| {
-        quantity
-            .and_then(|f| Some(f.unit.show(value(f)?)))
-            .unwrap_or_else(|| NONE.to_owned())
+        let unit = quantity.map_or(Unit::Count, |q| q.unit);
+        Cell::number(quantity.and_then(value), |v| unit.show(v))
     };
-    let mut cells = vec![report.row.label.clone()];
+    let mut cells = vec![Cell::text(&report.row.label)];
     let mut compared = vec!["select_seconds", "fit_seconds"];
     if evaluates {
         compared.push("evaluate_seconds");
@@ -203,39 +238,42 @@ pub fn notes(item: &ItemReport) -> Vec<String> {
             ));
         }
     }
-    for report in &item.rows {
-        notes.extend(report.judgement.bounds.iter().map(|bound| {
-            let value = bound.value.map_or("missing".to_owned(), |v| format!("{v:.3e}"));
-            let Bound {
-                quantity, at_most, ..
-            } = bound;
-            let holds = if bound.holds() { "" } else { ", EXCEEDED" };
-            format!(
-                "{}: {quantity} is {value}, to be at most {at_most:e}{holds}",
-                report.row.label
-            )
-        }));
-        let warnings = report
-            .result
-            .record()
-            .map_or(&[][..], |record| &record.warnings);
-        notes.extend(
-            warnings
-                .iter()
-                .map(|w| format!("{}: warning: {w}", report.row.label)),
-        );
-    }
+    notes.extend(remarks(item));
     notes
 }
 
-fn one_line(text: &str) -> String {
+/// Returns what is to be said of single rows: their bounds and their warnings.
+pub(super) fn remarks(item: &ItemReport) -> Vec<String> {
+    let mut remarks = Vec::new();
+    for report in &item.rows {
+        let label = &report.row.label;
+        for bound in &report.judgement.bounds {
+            let value = bound
+                .value
+                .map_or("missing".to_owned(), |v| format!("{v:.3e}"));
+            let holds = if bound.holds() { "" } else { ", EXCEEDED" };
+            let Bound {
+                quantity, at_most, ..
+            } = bound;
+            remarks.push(format!(
+                "{label}: {quantity} is {value}, to be at most {at_most:e}{holds}"
+            ));
+        }
+        let record = report.result.record();
+        let warnings = record.map_or(&[][..], |record| &record.warnings);
+        remarks.extend(warnings.iter().map(|w| format!("{label}: warning: {w}")));
+    }
+    remarks
+}
+
+/// Returns a text on one line.
+pub(super) fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-fn ratio(value: Option<f64>) -> String {
-    match value {
-        Some(ratio) if ratio < 0.01 => format!("{ratio:.4}"),
-        Some(ratio) => format!("{ratio:.2}"),
-        None => NONE.to_owned(),
-    }
+fn ratio(value: Option<f64>) -> Cell {
+    Cell::number(value, |ratio| match ratio {
+        _ if ratio < 0.01 => format!("{ratio:.4}"),
+        _ => format!("{ratio:.2}"),
+    })
 }

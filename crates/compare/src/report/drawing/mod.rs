@@ -1,0 +1,225 @@
+//! The pictures of a report: figures of surfaces from the files of its rows, and plots of its
+//! quantities.
+
+mod panel;
+mod plots;
+mod source;
+
+use std::collections::BTreeMap;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use msplines_picture::{ColourBar, ColourMap, ColourScale, Image, Rgb};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::campaign::{ItemReport, Report, RowReport, RowResult};
+use crate::experiment::{Figure, Panel, PaperFacts, Show};
+use source::Source;
+
+/// How pictures are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DrawingOptions {
+    /// Side of a picture in pixels.
+    pub pixels: usize,
+    /// Whether the surfaces themselves are kept too, for views that can be turned.
+    pub views: Views,
+}
+
+/// What is kept of a surface beside its picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Views {
+    /// Nothing.
+    Still,
+    /// A lighter mesh of it.
+    Turnable,
+}
+
+/// All pictures of a report, one entry per item.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Drawings {
+    pub(super) items: Vec<DrawnItem>,
+}
+
+/// All pictures of an item.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct DrawnItem {
+    figures: Vec<DrawnFigure>,
+    plots: Vec<DrawnPlot>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct DrawnFigure {
+    id: String,
+    caption: String,
+    look_for: String,
+    columns: usize,
+    panels: Vec<DrawnPanel>,
+    bar: Option<Bar>,
+}
+
+/// A picture of a row, or why there is none.
+#[derive(Clone, Debug, Default, Serialize)]
+struct DrawnPanel {
+    label: String,
+    measure: String,
+    /// As `data:` address.
+    picture: Option<String>,
+    width: usize,
+    height: usize,
+    payload: Option<String>,
+    absent: String,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Bar {
+    picture: String,
+    width: usize,
+    height: usize,
+    label: &'static str,
+}
+
+/// A plot as `data:` address.
+#[derive(Clone, Debug, Serialize)]
+struct DrawnPlot {
+    id: String,
+    caption: String,
+    look_for: String,
+    picture: String,
+}
+
+impl DrawnItem {
+    pub(super) fn is_empty(&self) -> bool {
+        self.figures.is_empty() && self.plots.is_empty()
+    }
+}
+
+/// Share of the vertices whose errors the colour scale of a figure spans.
+const SPANNED: f64 = 0.98;
+/// What stands above the colour scale.
+const BAR_LABEL: &str = "% of diagonal";
+
+/// Draws everything that a report shows. A picture that cannot be drawn says why in its place.
+#[must_use]
+pub fn draw(report: &Report, options: DrawingOptions) -> Drawings {
+    let items = report.items.par_iter().map(|item| {
+        let figures = item.figures.iter();
+        let mut plots: Vec<DrawnPlot> = item
+            .plots
+            .iter()
+            .filter_map(|plot| plots::plot(item, plot))
+            .collect();
+        if item.paper == PaperFacts::ACROSS {
+            plots.extend(plots::pareto(item));
+        }
+        DrawnItem {
+            figures: figures.map(|f| draw_figure(item, f, options)).collect(),
+            plots,
+        }
+    });
+    Drawings {
+        items: items.collect(),
+    }
+}
+
+fn draw_figure(item: &ItemReport, figure: &Figure, options: DrawingOptions) -> DrawnFigure {
+    let mut ids: Vec<&str> = figure.panels.iter().map(|p| p.row.as_str()).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    let sources: BTreeMap<&str, Result<Source, String>> = ids
+        .into_par_iter()
+        .filter_map(|id| Some((id, source_of(item.row(id)?))))
+        .collect();
+    let shows_errors = |panel: &&Panel| panel.show == Show::Error;
+    let highest = figure
+        .panels
+        .iter()
+        .filter(shows_errors)
+        .filter_map(|panel| sources.get(panel.row.as_str())?.as_ref().ok())
+        .map(|source| 100.0 * source.error_quantile(SPANNED))
+        .fold(0.0, f64::max);
+    let has_errors = highest > 0.0;
+    let top = if has_errors { highest } else { 1.0 };
+    let scale = ColourScale::linear(ColourMap::ColdWarm, [0.0, top]);
+    let panels = figure.panels.par_iter().map(|panel| {
+        let mut drawn = DrawnPanel {
+            label: label(item, panel),
+            ..DrawnPanel::default()
+        };
+        let source = sources.get(panel.row.as_str());
+        let picture = match source {
+            Some(Ok(source)) => panel::draw(panel, source, scale, options),
+            Some(Err(why)) => Err(why.clone()),
+            None => Err(format!("no row {}", panel.row)),
+        };
+        match picture {
+            Ok(picture) => {
+                drawn.width = picture.image.width();
+                drawn.height = picture.image.height();
+                drawn.picture = Some(png_address(&picture.image));
+                drawn.payload = picture.payload;
+                drawn.measure = measure(item, panel);
+            }
+            Err(why) => drawn.absent = why,
+        }
+        drawn
+    });
+    DrawnFigure {
+        id: figure.id.clone(),
+        caption: one_paragraph(&figure.caption),
+        look_for: one_paragraph(&figure.look_for),
+        columns: figure.columns.clamp(1, 6),
+        panels: panels.collect(),
+        bar: if has_errors { bar(scale) } else { None },
+    }
+}
+
+fn source_of(report: &RowReport) -> Result<Source, String> {
+    match &report.result {
+        RowResult::Done(_) => Source::load(report),
+        RowResult::NotRun(why) => Err(format!("not run: {why}")),
+        RowResult::Failed(why) => Err(format!("failed: {why}")),
+    }
+}
+
+fn label(item: &ItemReport, panel: &Panel) -> String {
+    let of_row = || item.row(&panel.row).map(|report| report.row.label.clone());
+    panel.label.clone().or_else(of_row).unwrap_or_default()
+}
+
+/// Returns the number behind a picture of a spline.
+fn measure(item: &ItemReport, panel: &Panel) -> String {
+    let error = item
+        .row(&panel.row)
+        .filter(|_| matches!(panel.show, Show::Error | Show::Spline))
+        .map(super::error_quantity);
+    match error.and_then(|quantity| Some(quantity.unit.show(quantity.ours?))) {
+        Some(text) if panel.show == Show::Error => format!("mean {text}"),
+        Some(text) => format!("mean error {text}"),
+        None => String::new(),
+    }
+}
+
+fn bar(scale: ColourScale) -> Option<Bar> {
+    const HEIGHT: usize = 480;
+    let nothing = Image::new(2, HEIGHT, Rgb::WHITE).ok()?;
+    let image = ColourBar::new(scale, BAR_LABEL).beside(&nothing).ok()?;
+    Some(Bar {
+        picture: png_address(&image),
+        width: image.width() / 2,
+        height: image.height() / 2,
+        label: BAR_LABEL,
+    })
+}
+
+fn png_address(image: &Image) -> String {
+    format!("data:image/png;base64,{}", STANDARD.encode(image.to_png()))
+}
+
+fn svg_address(svg: &str) -> String {
+    format!("data:image/svg+xml;base64,{}", STANDARD.encode(svg))
+}
+
+fn one_paragraph(text: &str) -> String {
+    super::tables::one_line(text)
+}

@@ -1,0 +1,231 @@
+//! One picture of a row, and the lighter mesh that can be turned in its place.
+
+use msplines_common::Point3;
+use msplines_common::mesh::{TriangleMesh, decimate};
+use msplines_picture::{
+    Axis, Callout, Camera, ColourScale, Curves, Drawing, Image, Paint, PictureError, Radius, Rect,
+    Rgb, Scene, Shading, Spheres, Surface, View, edges,
+};
+
+use super::super::surface_payload::{self, Lines, Points, SurfaceView};
+use super::source::Source;
+use super::{DrawingOptions, Views};
+use crate::experiment::{Callout as Part, Edges, Panel, Show, UpAxis};
+
+/// Vertices of a mesh that can be turned, at most.
+const TURNED_VERTICES: usize = 20_000;
+/// Pieces of edges in a view that can be turned, at most.
+const TURNED_EDGES: usize = 60_000;
+/// Meshes of more edges have theirs drawn finer, so that the surface stays visible.
+const MANY_EDGES: usize = 20_000;
+/// Radius of a knot in pixels of a picture of 1,000 pixels.
+const KNOT_RADIUS: f64 = 4.0;
+/// Colour of edges on a mesh.
+const EDGE: Rgb = Rgb::new(92, 98, 108);
+/// Pixels of the corner per pixel of a magnified part.
+const MAGNIFICATION: usize = 3;
+
+/// A drawn panel.
+pub(super) struct Picture {
+    pub(super) image: Image,
+    pub(super) payload: Option<String>,
+}
+
+/// What a panel shows, ready to be drawn.
+struct Stage<'a> {
+    mesh: &'a TriangleMesh,
+    paint: Paint<'a>,
+    colours: Vec<Rgb>,
+    edges: Vec<[u32; 2]>,
+    edge_colour: Rgb,
+    edge_width: f64,
+    shading: Shading,
+    knots: &'a [Point3<f64>],
+    camera: Camera,
+}
+
+/// Draws a panel, or says why it cannot be drawn.
+pub(super) fn draw(
+    panel: &Panel,
+    source: &Source,
+    scale: ColourScale,
+    options: DrawingOptions,
+) -> Result<Picture, String> {
+    // Errors are known at the vertices of the input only.
+    let percent: Vec<f64> = source.errors.iter().map(|error| 100.0 * error).collect();
+    let fitted = fitted_input(source);
+    let stage = stage(panel, source, scale, &percent, &fitted);
+    let image = still(&stage, panel, options.pixels).map_err(|e| e.to_string())?;
+    let payload = (options.views == Views::Turnable).then(|| turnable(&stage, options.pixels));
+    Ok(Picture { image, payload })
+}
+
+/// Returns the input mesh with its vertices moved to the spline.
+fn fitted_input(source: &Source) -> TriangleMesh {
+    let count = source.input.vertex_count();
+    let positions = source.spline.positions()[..count].to_vec();
+    source.input.with_positions(positions)
+}
+
+fn stage<'a>(
+    panel: &Panel,
+    source: &'a Source,
+    scale: ColourScale,
+    percent: &'a [f64],
+    fitted: &'a TriangleMesh,
+) -> Stage<'a> {
+    let mesh = match panel.show {
+        Show::Input | Show::Knots => &source.input,
+        Show::Spline => &source.spline,
+        Show::Error => fitted,
+    };
+    let of_data = usize::from(panel.show == Show::Spline);
+    let (paint, colours) = match (&source.colours, panel.show) {
+        (_, Show::Error) => {
+            let colours = percent.iter().map(|&value| scale.colour(value)).collect();
+            let values = percent;
+            (Paint::Scalars { values, scale }, colours)
+        }
+        (Some(colours), Show::Input | Show::Spline) => {
+            let colours = &colours[of_data];
+            (Paint::Colours(colours), colours.clone())
+        }
+        _ => (Paint::Uniform(Rgb::CLAY), Vec::new()),
+    };
+    let is_image = panel.show == Show::Spline;
+    let edges = match panel.edges {
+        Edges::None => Vec::new(),
+        Edges::Domain if is_image => source.domain_edges(),
+        Edges::Domain => edges(mesh.faces()),
+    };
+    let few = edges.len() <= MANY_EDGES || is_image;
+    Stage {
+        mesh,
+        paint,
+        colours,
+        edges,
+        edge_colour: if is_image { Rgb::RED } else { EDGE },
+        edge_width: if few { 2.0 } else { 0.7 },
+        // A coarse mesh is shown as the facets that it is.
+        shading: if !is_image && few && panel.edges == Edges::Domain {
+            Shading::Flat
+        } else {
+            Shading::Smooth
+        },
+        knots: match panel.show {
+            Show::Knots => &source.knots,
+            Show::Input | Show::Spline | Show::Error => &[],
+        },
+        // All pictures of a row are seen by the same camera.
+        camera: Camera::framing(source.input.positions(), &view(panel, source)),
+    }
+}
+
+fn view(panel: &Panel, source: &Source) -> View {
+    let hint = panel.view.unwrap_or(source.view);
+    View {
+        azimuth: hint.azimuth.to_radians(),
+        elevation: hint.elevation.to_radians(),
+        up: match hint.up {
+            UpAxis::X => Axis::X,
+            UpAxis::Y => Axis::Y,
+            UpAxis::Z => Axis::Z,
+        },
+        ..View::default()
+    }
+}
+
+fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, PictureError> {
+    let per_thousand = pixels as f64 / 1000.0;
+    let mut scene = Scene::new(stage.camera);
+    let positions = stage.mesh.positions();
+    let surface = Surface::new(positions, stage.mesh.faces()).paint(stage.paint);
+    scene.add(surface.shading(stage.shading));
+    if !stage.edges.is_empty() {
+        let curves = Curves::new(positions, &stage.edges)
+            .colour(stage.edge_colour)
+            .width(stage.edge_width * per_thousand);
+        scene.add(curves);
+    }
+    if !stage.knots.is_empty() {
+        let spheres = Spheres::new(stage.knots)
+            .radius(Radius::Pixels(KNOT_RADIUS * per_thousand))
+            .colour(Rgb::RED);
+        scene.add(spheres);
+    }
+    let drawing = Drawing {
+        width: pixels,
+        height: pixels,
+        ..Drawing::default()
+    };
+    let image = scene.draw(&drawing)?;
+    let Some(Part { at, size }) = panel.callout else {
+        return Ok(image);
+    };
+    let place = |at: f64| ((at - size / 2.0).max(0.0) * pixels as f64) as usize;
+    let side = (size * pixels as f64) as usize;
+    let mut callout = Callout::new(Rect {
+        x: place(at[0]),
+        y: place(at[1]),
+        width: side,
+        height: side,
+    });
+    callout.magnification = MAGNIFICATION;
+    let detail = Some(callout.detail());
+    let inset = scene.draw(&Drawing { detail, ..drawing })?;
+    callout.place(&image, &inset)
+}
+
+/// Returns the mesh of a panel as text for the page, decimated where it is large.
+fn turnable(stage: &Stage<'_>, pixels: usize) -> String {
+    let small = stage.mesh.vertex_count() <= TURNED_VERTICES;
+    let decimated = if small {
+        None
+    } else {
+        decimate(stage.mesh, TURNED_VERTICES).ok()
+    };
+    let (mesh, colours) = match &decimated {
+        Some(decimated) => {
+            let origins = decimated.vertex_origin.iter();
+            let colours = origins.filter_map(|&v| stage.colours.get(v as usize).copied());
+            (&decimated.mesh, colours.collect())
+        }
+        None => (stage.mesh, stage.colours.clone()),
+    };
+    let array = |p: &Point3<f64>| [p.x, p.y, p.z];
+    let positions: Vec<[f64; 3]> = mesh.positions().iter().map(array).collect();
+    let colours: Vec<[u8; 3]> = colours.into_iter().map(Rgb::channels).collect();
+    let all = stage.mesh.positions();
+    let segments: Vec<[[f64; 3]; 2]> = if stage.edges.len() <= TURNED_EDGES {
+        let ends = stage.edges.iter();
+        ends.map(|edge| edge.map(|v| array(&all[v as usize])))
+            .collect()
+    } else {
+        Vec::new()
+    };
+    let knots: Vec<[f64; 3]> = stage.knots.iter().map(array).collect();
+    let camera = stage.camera;
+    let distance = (camera.target() - camera.eye()).norm();
+    let pixel = 2.0 * distance * (camera.field_of_view() / 2.0).tan() / pixels as f64;
+    surface_payload::encode(&SurfaceView {
+        positions: &positions,
+        triangles: mesh.faces(),
+        colours: &colours,
+        lines: Lines {
+            segments: &segments,
+            colour: stage.edge_colour.channels(),
+            width: stage.edge_width * pixels as f64 / 1000.0,
+        },
+        points: Points {
+            positions: &knots,
+            colour: Rgb::RED.channels(),
+            radius: KNOT_RADIUS * pixel * pixels as f64 / 1000.0,
+        },
+        camera: surface_payload::Camera {
+            eye: array(&camera.eye()),
+            target: array(&camera.target()),
+            up: camera.up().into(),
+            field_of_view: camera.field_of_view(),
+        },
+    })
+}

@@ -1,0 +1,124 @@
+//! What the pictures of a row are drawn from.
+
+use msplines_common::Point3;
+use msplines_common::mesh::{TriangleMesh, VertexAttribute, edge_pieces};
+use msplines_io::read_points;
+use msplines_picture::Rgb;
+
+use crate::campaign::{RowReport, Sources};
+use crate::case::Data;
+use crate::clock::PhaseClock;
+use crate::experiment::{RowData, ViewHint};
+use crate::input::{FitData, fit_data, load, read_surface};
+use crate::output::{ROW_KNOTS, ROW_SURFACE};
+
+/// The input, the spline, and what lies between them.
+pub(super) struct Source {
+    /// The domain mesh.
+    pub(super) input: TriangleMesh,
+    /// The spline where it was evaluated; the domain where the data are colours.
+    pub(super) spline: TriangleMesh,
+    /// Colours of the data and of the spline, where the data are colours.
+    pub(super) colours: Option<[Vec<Rgb>; 2]>,
+    /// Error at each vertex of the input, over the scale of the data.
+    pub(super) errors: Vec<f64>,
+    /// Places of the knots on the domain.
+    pub(super) knots: Vec<Point3<f64>>,
+    /// Rounds of subdivision from the input to the spline.
+    rounds: u32,
+    /// Where it is seen from.
+    pub(super) view: ViewHint,
+}
+
+impl Source {
+    /// Loads the files of a row that ran, or says why they cannot be used.
+    pub(super) fn load(report: &RowReport) -> Result<Self, String> {
+        let missing = || "its files are missing; run the row again with --fresh".to_owned();
+        let sources = report.sources.as_ref().ok_or_else(missing)?;
+        let Sources { input, files, view } = sources;
+        let mut clock = PhaseClock::start(std::time::Instant::now());
+        let input = load(input, &mut clock).map_err(|e| e.to_string())?;
+        let data = match report.row.data {
+            RowData::Positions => Data::Positions,
+            RowData::ColourPattern => Data::ColourPattern,
+        };
+        let data = fit_data(&data, &input).map_err(|e| e.to_string())?;
+        let (spline, attributes) =
+            read_surface(&files.join(ROW_SURFACE)).map_err(|e| e.to_string())?;
+        if spline.vertex_count() < input.mesh.vertex_count() {
+            return Err(missing());
+        }
+        let knots = read_points(&files.join(ROW_KNOTS)).map_err(|e| e.to_string())?;
+        let values = values(&spline, &attributes, &data)?;
+        Ok(Self {
+            errors: errors(&data, &values),
+            colours: (report.row.data == RowData::ColourPattern)
+                .then(|| [colours(&data.values), colours(&values)]),
+            input: input.mesh,
+            spline,
+            knots,
+            rounds: report.row.subdivide,
+            view: view.unwrap_or_default(),
+        })
+    }
+
+    /// Returns the error below which the share `share` of the vertices lies.
+    pub(super) fn error_quantile(&self, share: f64) -> f64 {
+        let mut sorted = self.errors.clone();
+        sorted.sort_by(f64::total_cmp);
+        let at = (share * sorted.len() as f64) as usize;
+        sorted
+            .get(at.min(sorted.len().saturating_sub(1)))
+            .copied()
+            .unwrap_or(0.0)
+    }
+
+    /// Returns the pieces of the edges of the domain on the spline, as pairs of its vertices.
+    pub(super) fn domain_edges(&self) -> Vec<[u32; 2]> {
+        edge_pieces(self.input.topology(), self.spline.faces(), self.rounds)
+    }
+}
+
+/// Returns the spline's values, `[vertex][component]`.
+fn values(
+    spline: &TriangleMesh,
+    attributes: &[VertexAttribute],
+    data: &FitData,
+) -> Result<Vec<f64>, String> {
+    if data.names == ["x", "y", "z"] {
+        let positions = spline.positions().iter();
+        return Ok(positions.flat_map(|p| [p.x, p.y, p.z]).collect());
+    }
+    let mut columns = Vec::with_capacity(data.names.len());
+    for name in &data.names {
+        let found = attributes.iter().find(|attribute| attribute.name == *name);
+        columns.push(
+            &found
+                .ok_or_else(|| format!("its file has no `{name}`"))?
+                .values,
+        );
+    }
+    let vertices = 0..spline.vertex_count();
+    Ok(vertices
+        .flat_map(|vertex| columns.iter().map(move |column| column[vertex]))
+        .collect())
+}
+
+fn errors(data: &FitData, values: &[f64]) -> Vec<f64> {
+    let pairs = data.values.chunks(data.dimension);
+    pairs
+        .zip(values.chunks(data.dimension))
+        .map(|(expected, found)| {
+            let squares = expected.iter().zip(found).map(|(a, b)| (a - b) * (a - b));
+            squares.sum::<f64>().sqrt() / data.scale
+        })
+        .collect()
+}
+
+fn colours(values: &[f64]) -> Vec<Rgb> {
+    let byte = |value: f64| (255.0 * value.clamp(0.0, 1.0)).round() as u8;
+    values
+        .chunks_exact(3)
+        .map(|c| Rgb::new(byte(c[0]), byte(c[1]), byte(c[2])))
+        .collect()
+}
