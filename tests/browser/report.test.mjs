@@ -118,14 +118,14 @@ async function surfacesTurn(page) {
   check(count > 0, "the viewer is there, but no picture has a button");
   const surface = page.locator("[data-surface]:has(> button.turn)").first();
   await surface.scrollIntoViewIfNeeded();
-  const still = await surface.screenshot({ path: join(shots, "surface-still.png") });
+  const still = await surface.screenshot(shot("surface-still"));
   // With the keyboard: a button is reached and pressed without a mouse.
   await surface.locator("button.turn").press("Enter");
   const canvas = surface.locator("canvas");
   await canvas.waitFor({ timeout: 20_000 });
   const label = await surface.locator("button.turn").textContent();
   check(!label.startsWith("No 3D view"), label);
-  const before = await settled(page, canvas, "surface-before.png");
+  const before = await settled(page, canvas);
   const seen = await colours(page, before);
   check(seen.count > 50, `the canvas shows only ${seen.count} colours`);
   const apart = await difference(page, still, await surface.screenshot());
@@ -137,11 +137,10 @@ async function surfacesTurn(page) {
   await page.mouse.down();
   await page.mouse.move(x + box.width / 4, y + 20, { steps: 4 });
   await page.mouse.up();
-  const after = await settled(page, canvas, "surface-after.png");
-  check((await difference(page, before, after)).share > 0.01, "dragging does not turn the surface");
+  const moved = async (name) => (await difference(page, before, await canvas.screenshot(shot(name)))).share;
+  check(await eventually(page, async () => (await moved("surface-after")) > 0.01), "dragging does not turn the surface");
   await canvas.dblclick();
-  const reset = await settled(page, canvas, "surface-reset.png");
-  check((await difference(page, before, reset)).share < 0.001, "a double click does not bring the first view back");
+  check(await eventually(page, async () => (await moved("surface-reset")) < 0.001), "a double click does not bring the first view back");
 
   for (let b = 1; b < Math.min(count, 6); b++) {
     await buttons.nth(b).click();
@@ -167,7 +166,7 @@ async function phoneDoesNotScrollSideways(page) {
     const found = elements.filter((e) => e.getBoundingClientRect().right > most + 1 && !clipped(e.parentElement));
     return found.slice(0, 3).map((e) => `${e.tagName.toLowerCase()}${e.id && `#${e.id}`}`).join(", ");
   }, PHONE.width);
-  await page.screenshot({ path: join(shots, "phone.png") });
+  await page.screenshot(shot("phone"));
   await page.setViewportSize(DESKTOP);
   await nextFrame(page);
   check(width <= PHONE.width, `the page is ${width} px wide at ${PHONE.width} px; too wide: ${wide || "unknown"}`);
@@ -188,7 +187,7 @@ async function bothSchemesAreReadable(page) {
   for (const colorScheme of ["light", "dark"]) {
     await page.emulateMedia({ colorScheme });
     await page.evaluate(() => scrollTo(0, 0));
-    await page.screenshot({ path: join(shots, `desktop-${colorScheme}.png`) });
+    await page.screenshot(shot(`desktop-${colorScheme}`));
     const alike = await page.evaluate(() => {
       const style = getComputedStyle(document.body);
       return style.color === style.backgroundColor;
@@ -202,17 +201,28 @@ async function bothSchemesAreReadable(page) {
 
 const percent = (share) => `${(100 * share).toFixed(1)} %`;
 
-// Two screenshots that are alike: the view has been drawn.
-async function settled(page, canvas, name) {
-  await canvas.scrollIntoViewIfNeeded();
-  let last = await canvas.screenshot();
-  for (let i = 0; i < 20; i++) {
+const shot = (name) => ({ path: join(shots, `${name}.png`) });
+
+// Whether something becomes true: software takes its time to draw.
+async function eventually(page, holds) {
+  for (let i = 0; i < 50; i++) {
+    if (await holds()) return true;
     await page.waitForTimeout(100);
-    const next = await canvas.screenshot({ path: join(shots, name) });
-    if (next.equals(last)) return next;
-    last = next;
   }
-  throw new Error("the canvas does not come to rest");
+  return false;
+}
+
+// The canvas once two screenshots in a row are alike.
+async function settled(page, canvas) {
+  let last = await canvas.screenshot();
+  const isAlike = async () => {
+    const next = await canvas.screenshot(shot("surface-before"));
+    const alike = next.equals(last);
+    last = next;
+    return alike;
+  };
+  check(await eventually(page, isAlike), "the canvas does not come to rest");
+  return last;
 }
 
 async function pixels(page, pictures, judge) {

@@ -1,5 +1,7 @@
 //! Every check and every test, each step with its outcome, to the end.
 
+mod browser;
+mod debian;
 mod reference;
 mod steps;
 
@@ -29,20 +31,13 @@ fn packages() -> Vec<&'static str> {
 }
 
 /// Arguments of the smoke reproduction: generated surfaces, results apart from those of real runs.
-const SMOKE: [&str; 6] = [
-    "repro",
-    "hou2017",
-    "generated",
-    "--fresh",
-    "--out",
-    "target/smoke",
-];
+const SMOKE: [&str; 5] = ["repro", "hou2017", "generated", "--out", "target/smoke"];
 
 /// A step's name and what it does.
 type Named = (&'static str, fn() -> Step);
 
 /// All steps, from the quickest to tell to the slowest.
-const STEPS: [Named; 8] = [
+const STEPS: [Named; 9] = [
     ("format", format),
     ("tidy", || Step::of(tidy::run())),
     ("papers", || Step::of(papers::check())),
@@ -50,7 +45,9 @@ const STEPS: [Named; 8] = [
     ("tests", tests),
     ("doc-tests", doc_tests),
     ("reference", || reference::run(packages())),
-    ("smoke", smoke),
+    ("smoke", || reproduce(&["--fresh"])),
+    // The rows that the step before has finished are not run again.
+    ("browser", || browser::run(|| reproduce(&[]))),
 ];
 
 /// Runs the steps and prints what came of them.
@@ -129,9 +126,9 @@ fn doc_tests() -> Step {
 }
 
 /// The generated rows, through the same command that reproduces all tables.
-fn smoke() -> Step {
+fn reproduce(more: &[&str]) -> Step {
     match env::current_exe() {
-        Ok(program) => steps::program(&program, &SMOKE),
+        Ok(program) => steps::program(&program, &[&SMOKE, more].concat()),
         Err(error) => Step::failed(format!("this program does not know its own path: {error}")),
     }
 }

@@ -54,8 +54,8 @@ impl File {
 /// Folders that hold nothing of the project's own.
 const SKIPPED: [&str; 4] = [".git", "target", "data/models", "report"];
 /// Endings of the files that are read.
-const ENDINGS: [&str; 8] = [
-    ".rs", ".toml", ".md", ".bib", ".cc", ".h", ".yml", ".ci/run",
+const ENDINGS: [&str; 11] = [
+    ".rs", ".toml", ".md", ".bib", ".cc", ".h", ".js", ".mjs", ".cff", ".yml", ".ci/run",
 ];
 
 /// Returns the root of the project.

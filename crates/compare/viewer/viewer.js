@@ -169,7 +169,11 @@ function newRenderer() {
 
 function takeRenderer() {
   if (!idle.length && views.length >= MOST_VIEWS) views[0].close();
-  return idle.pop() ?? newRenderer();
+  const renderer = idle.pop() ?? newRenderer();
+  if (renderer || !views.length) return renderer;
+  // A browser that gives fewer contexts than thought.
+  views[0].close();
+  return idle.pop();
 }
 
 function openView(surface, still, onClose) {
@@ -249,10 +253,11 @@ function openView(surface, still, onClose) {
         part.material.dispose();
         part.dispose?.();
       }
+      const hadFocus = document.activeElement === canvas;
       canvas.remove();
       if (!lost) idle.push(renderer);
       still.classList.remove("turned");
-      onClose();
+      onClose(hadFocus);
     },
   };
   views.push(view);
@@ -290,15 +295,19 @@ function addButton(element) {
     button.setAttribute("aria-label", still.alt ? `${text}: ${still.alt}` : text);
   };
   let view = null;
-  const onClose = () => {
+  const onClose = (hadFocus) => {
     view = null;
     label("Turn it");
+    if (hadFocus) button.focus({ preventScroll: true });
   };
   const toggle = async () => {
     if (view) return view.close();
     button.disabled = true;
     try {
-      view = openView(await decode(payload.textContent), still, onClose);
+      const surface = await decode(payload.textContent).catch(() => {
+        throw new Error("its data are damaged");
+      });
+      view = openView(surface, still, onClose);
       button.disabled = false;
       label("Back to the picture");
     } catch (error) {

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::OnceLock;
 
+use super::debian;
 use super::steps::{self, Step};
 use crate::tree;
 
@@ -31,9 +32,7 @@ const TESTS: [&str; 6] = ["--test", "openmesh", "--test", "cgal", "--test", "cho
 pub(super) fn is_ready() -> bool {
     static INSTALLED: OnceLock<()> = OnceLock::new();
     let missing = missing_packages();
-    if !missing.is_empty() && may_install() {
-        INSTALLED.get_or_init(|| install(&missing));
-    }
+    INSTALLED.get_or_init(|| debian::install_if_allowed(&missing));
     missing_packages().is_empty()
 }
 
@@ -83,19 +82,4 @@ fn missing_packages() -> Vec<&'static str> {
         .iter()
         .filter(|(_, sign)| !Path::new(sign).exists());
     missing.map(|(package, _)| *package).collect()
-}
-
-/// Whether this is the superuser of a Debian system.
-fn may_install() -> bool {
-    // Only the superuser may write the package database.
-    steps::succeeds("test", &["-w", "/var/lib/dpkg/status"])
-        && steps::succeeds("apt-get", &["--version"])
-}
-
-fn install(packages: &[&str]) {
-    let apt = Path::new("apt-get");
-    let mut arguments = vec!["install", "--yes", "--no-install-recommends"];
-    arguments.extend(packages);
-    steps::program(apt, &["update", "--quiet"]);
-    steps::program(apt, &arguments);
 }

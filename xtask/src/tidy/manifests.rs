@@ -88,6 +88,14 @@ mod tests {
         workspace = true
     "#;
 
+    #[test]
+    fn the_citation_names_this_version() {
+        let path = crate::tree::root().join("CITATION.cff");
+        let text = std::fs::read_to_string(path).expect("a citation file");
+        let line = concat!("version: ", env!("CARGO_PKG_VERSION"));
+        assert!(text.lines().any(|found| found == line), "no `{line}`");
+    }
+
     fn count(text: &str) -> usize {
         check(&[File::new("crates/io/Cargo.toml", text)]).len()
     }

@@ -184,12 +184,8 @@ fn last_words(said: &str) -> String {
     let code = said
         .lines()
         .find_map(|line| line.strip_prefix("npm error code "));
-    let lines = said
-        .lines()
-        .map(str::trim)
-        .filter(|line| !line.is_empty())
-        .next_back();
-    let words = code.or(lines).unwrap_or("it said nothing");
+    let last = said.lines().map(str::trim).rfind(|line| !line.is_empty());
+    let words = code.or(last).unwrap_or("it said nothing");
     words.chars().take(LAST_WORDS).collect()
 }
 
