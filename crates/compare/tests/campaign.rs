@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 
 use msplines_compare::campaign::{Campaign, Report, Reuse, RowResult};
 use msplines_compare::display::{Display, Verbosity};
-use msplines_compare::report;
+use msplines_compare::report::viewer::Viewer;
+use msplines_compare::report::{self, PageOptions};
 use msplines_compare::row_process::RowProgram;
 
 const EXPERIMENT: &str = r#"
@@ -45,12 +46,31 @@ printed = { error = 0.001 }
 tolerance = 0.1
 
 [[row]]
+id = "after"
+label = "After"
+surface = "bumpy-sphere"
+method = "biharmonic"
+knots_from = "one"
+compared_with = "one"
+at_most = { "error.max" = 0.001, "checks.knots" = 1 }
+
+[[row]]
 id = "four"
 label = "Four"
 surface = "bumpy-sphere"
 method = "biharmonic"
 knots = "4"
 full_only = true
+
+[[figure]]
+id = "f"
+caption = "Figure <of> two rows"
+[[figure.panel]]
+row = "one"
+show = "spline"
+[[figure.panel]]
+row = "three"
+show = "error"
 "#;
 
 const MODELS: &str = r#"
@@ -71,11 +91,14 @@ terms = "none"
 processing = "none"
 "#;
 
-/// Answers with `record.json`, with half the error for row two; counts its runs in `log`; while a
-/// file `crash` or `hang` lies in the folder, row two does that instead.
+/// Answers with `record.json` and two files, with half the error for row two; counts its runs in
+/// `log`; while a file `crash` or `hang` lies in the folder, row two does that instead.
 const SCRIPT: &str = r#"
 cd "$(dirname "$0")"
 echo run >> log
+files=$(sed 's/.*"files":"\([^"]*\)".*/\1/' "$1")
+mkdir -p "$files"
+cp surface.ply knots.ply "$files"
 if grep -q '"count":2' "$1"; then
     if [ -e crash ]; then echo 'out of luck' >&2; exit 101; fi
     while [ -e hang ]; do sleep 0.05; done
@@ -113,6 +136,8 @@ impl Project {
         put("data/models.toml", MODELS);
         put("row.sh", SCRIPT);
         put("record.json", RECORD);
+        put("surface.ply", "a surface");
+        put("knots.ply", "its knots");
         Self { folder }
     }
 
@@ -158,6 +183,22 @@ fn run(campaign: &Campaign) -> Report {
         .expect("a campaign")
 }
 
+/// Returns a report without what differs between two runs of the same rows.
+fn without_times(mut report: Report) -> Report {
+    report.seconds = 0.0;
+    for item in &mut report.items {
+        item.seconds = 0.0;
+        for row in &mut item.rows {
+            row.sources = None;
+            if let Some(trace) = &mut row.trace {
+                trace.seconds = 0.0;
+                trace.history.clear();
+            }
+        }
+    }
+    report
+}
+
 fn results(report: &Report) -> Vec<&RowResult> {
     report.items[0].rows.iter().map(|row| &row.result).collect()
 }
@@ -169,24 +210,25 @@ fn rows_run_are_judged_and_are_not_run_again() {
     let found = results(&report);
     assert!(matches!(found[0], RowResult::Done(_)) && matches!(found[1], RowResult::Done(_)));
     assert_eq!(found[2], &RowResult::NotRun("absent".to_owned()));
-    assert_eq!(found[3], &RowResult::NotRun("only with --full".to_owned()));
+    assert!(matches!(found[3], RowResult::Done(_)));
+    assert_eq!(found[4], &RowResult::NotRun("only with --full".to_owned()));
     assert_eq!(report.items[0].rows[1].judgement.claim_holds, Some(true));
     assert_eq!(report.failures(), Vec::<String>::new());
-    assert_eq!(project.runs(), 2);
-    assert_eq!(project.run(), report);
-    assert_eq!(project.runs(), 2);
+    assert_eq!(project.runs(), 3);
+    assert_eq!(without_times(project.run()), without_times(report.clone()));
+    assert_eq!(project.runs(), 3);
     let fresh = Campaign {
         reuse: Reuse::Nothing,
         ..campaign(project.folder.path())
     };
-    assert_eq!(run(&fresh), report);
-    assert_eq!(project.runs(), 4);
+    assert_eq!(without_times(run(&fresh)), without_times(report));
+    assert_eq!(project.runs(), 6);
     let full = Campaign {
         full: true,
         jobs: 2,
         ..campaign(project.folder.path())
     };
-    assert!(matches!(results(&run(&full))[3], RowResult::Done(_)));
+    assert!(matches!(results(&run(&full))[4], RowResult::Done(_)));
 }
 
 #[test]
@@ -198,9 +240,64 @@ fn a_crash_is_a_failed_row_and_only_it_runs_again() {
     let failures = report.failures();
     assert_eq!(failures.len(), 1);
     assert!(failures[0].starts_with("p i two: failed: "), "{failures:?}");
+    let only_failed = || Campaign {
+        reuse: Reuse::AllButFailed,
+        ..campaign(project.folder.path())
+    };
+    assert_eq!(run(&only_failed()).failures().len(), 1);
+    assert_eq!(project.runs(), 4);
     std::fs::remove_file(project.path("crash")).expect("removed");
+    assert_eq!(run(&only_failed()).failures(), Vec::<String>::new());
+    assert_eq!(project.runs(), 5);
     assert_eq!(project.run().failures(), Vec::<String>::new());
+    assert_eq!(project.runs(), 5);
+}
+
+#[test]
+fn a_row_that_others_need_runs_with_them_and_its_failure_is_theirs() {
+    let project = Project::new();
+    let only = Campaign {
+        row: Some("after".to_owned()),
+        ..campaign(project.folder.path())
+    };
+    let report = run(&only);
+    assert_eq!(results(&report).len(), 2);
+    assert!(results(&report).iter().all(|r| matches!(r, RowResult::Done(_))));
+    let unknown = Campaign {
+        row: Some("none".to_owned()),
+        ..only
+    };
+    let error = unknown.run(&Display::new(Verbosity::Quiet));
+    let text = error.expect_err("no such row").to_string();
+    assert!(text.contains("no row `none`") && text.contains("after"), "{text}");
+    std::fs::write(project.path("record.json"), "{").expect("written");
+    let fresh = Campaign {
+        reuse: Reuse::Nothing,
+        ..campaign(project.folder.path())
+    };
+    let report = run(&fresh);
+    let needs = "needs row one, which has no result";
+    assert_eq!(results(&report)[3], &RowResult::NotRun(needs.to_owned()));
+}
+
+#[test]
+fn stored_rows_of_another_build_are_taken_only_when_asked_for() {
+    let project = Project::new();
+    project.run();
+    let script = std::fs::read_to_string(project.path("row.sh")).expect("a script");
+    std::fs::write(project.path("row.sh"), script + "# another build\n").expect("written");
+    let stored = Campaign {
+        reuse: Reuse::Everything,
+        full: true,
+        ..campaign(project.folder.path())
+    };
+    let report = run(&stored);
     assert_eq!(project.runs(), 3);
+    assert!(matches!(results(&report)[0], RowResult::Done(_)));
+    let absent = RowResult::NotRun("not in the store".to_owned());
+    assert_eq!(results(&report)[4], &absent);
+    project.run();
+    assert_eq!(project.runs(), 6);
 }
 
 #[test]
@@ -226,16 +323,19 @@ fn a_damaged_row_is_set_aside_and_runs_again() {
     project.run();
     let rows = || std::fs::read_dir(project.path("report/rows")).expect("readable");
     for entry in rows() {
-        std::fs::write(entry.expect("readable").path(), "{").expect("written");
+        let path = entry.expect("readable").path();
+        if path.is_file() {
+            std::fs::write(path, "{").expect("written");
+        }
     }
     assert_eq!(project.run().failures(), Vec::<String>::new());
-    assert_eq!(project.runs(), 4);
+    assert_eq!(project.runs(), 6);
     let damaged = rows().filter(|entry| {
         let path = entry.as_ref().expect("readable").path();
         path.extension()
             .is_some_and(|extension| extension == "damaged")
     });
-    assert_eq!(damaged.count(), 2);
+    assert_eq!(damaged.count(), 3);
 }
 
 #[test]
@@ -260,8 +360,10 @@ fn a_killed_campaign_continues_where_it_stopped() {
     child.wait().expect("gone");
     std::fs::remove_file(project.path("hang")).expect("removed");
     assert_eq!(project.run().failures(), Vec::<String>::new());
-    // The first row is from the killed run: only the second one ran again.
-    assert_eq!(project.runs(), 3);
+    // The first row is from the killed run: the second one ran again, the third for the first time.
+    assert_eq!(project.runs(), 4);
+    let undisturbed = Project::new().run();
+    assert_eq!(without_times(project.run()), without_times(undisturbed));
 }
 
 #[test]
@@ -292,13 +394,27 @@ fn a_report_is_written_in_every_form() {
         "{page}"
     );
     assert!(page.contains("| One | 9 | 1 | - | 0.0400 % |"), "{page}");
-    let written = report::write(&report, &project.path("report")).expect("written");
-    assert_eq!(written.len(), 3);
+    let options = PageOptions {
+        experiments: &project.path("data/experiments"),
+        pixels: 100,
+        viewer: &Viewer::Absent("none here".to_owned()),
+    };
+    let written = report::write(&report, &project.path("report"), &options).expect("written");
+    assert_eq!(written.len(), 4);
+    let page = std::fs::read_to_string(project.path("report/index.html")).expect("written");
+    for part in [
+        "<b>3</b> of 5 rows ran",
+        "cargo xtask repro p i one",
+        "Figure &lt;of&gt; two rows",
+        "not run: absent",
+        "Surfaces are still pictures here: none here",
+        "data-value=\"0.0004\"",
+    ] {
+        assert!(page.contains(part), "no `{part}` in\n{page}");
+    }
     let json = std::fs::read(project.path("report/report.json")).expect("written");
-    assert_eq!(
-        serde_json::from_slice::<Report>(&json).expect("JSON"),
-        report
-    );
+    let read: Report = serde_json::from_slice(&json).expect("JSON");
+    assert_eq!(without_times(read), without_times(report));
     let csv = std::fs::read_to_string(project.path("report/report.csv")).expect("written");
     let judged = "p,i,one,bumpy-sphere,generated,biharmonic,1,error_mean,fraction,,0.0004,,0,not comparable,kept,";
     assert!(csv.lines().any(|line| line.starts_with(judged)), "{csv}");
