@@ -85,7 +85,7 @@ fn byte_from_linear(value: f32) -> u8 {
     let value = if value <= 0.003_130_8 {
         12.92 * value
     } else {
-        1.055 * value.min(1.0).powf(1.0 / 2.4) - 0.055
+        1.055 * value.clamp(0.0, 1.0).powf(1.0 / 2.4) - 0.055
     };
     // NaN and negative values become 0.
     (255.0 * value + 0.5) as u8

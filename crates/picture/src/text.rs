@@ -1,4 +1,5 @@
-//! Text in pictures, set in Ubuntu Light, which is embedded.
+//! Text in pictures, set in Ubuntu Light, which is embedded; characters that it lacks are taken
+//! from Hack.
 
 use std::sync::LazyLock;
 
@@ -42,34 +43,51 @@ impl Default for TextStyle {
 /// Sizes of text are kept within these bounds, in pixels.
 const SIZES: [f64; 2] = [1.0, 2000.0];
 
-static FONT: LazyLock<FontRef<'static>> = LazyLock::new(|| {
-    FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT).expect("the embedded font is one")
+/// The fonts, in the order in which they are asked for a character.
+static FONTS: LazyLock<[FontRef<'static>; 2]> = LazyLock::new(|| {
+    let files = [
+        epaint_default_fonts::UBUNTU_LIGHT,
+        epaint_default_fonts::HACK_REGULAR,
+    ];
+    files.map(|file| FontRef::try_from_slice(file).expect("the embedded fonts are fonts"))
 });
 
-/// Returns the glyphs of a line that starts at the origin, and its width. Control characters,
+/// A character with its place in a line.
+struct Letter {
+    font: &'static FontRef<'static>,
+    glyph: Glyph,
+}
+
+/// Returns the first font that has a character; the first of all if none has it.
+fn font_of(character: char) -> &'static FontRef<'static> {
+    let has = |font: &&FontRef<'_>| font.glyph_id(character).0 != 0;
+    FONTS.iter().find(has).unwrap_or(&FONTS[0])
+}
+
+/// Returns the letters of a line that starts at the origin, and its width. Control characters,
 /// line breaks among them, are left out.
-fn set(text: &str, size: f64) -> (Vec<Glyph>, f64) {
+fn set(text: &str, size: f64) -> (Vec<Letter>, f64) {
     let size = if size.is_nan() {
         SIZES[0]
     } else {
         size.clamp(SIZES[0], SIZES[1])
     };
-    let font = &*FONT;
-    // A scale is a height from the lowest to the highest point of all letters, not an em.
-    let em = font.units_per_em().unwrap_or(1000.0);
-    let scaled = font.as_scaled(PxScale::from(size as f32 * font.height_unscaled() / em));
-    let mut glyphs: Vec<Glyph> = Vec::new();
+    let mut letters: Vec<Letter> = Vec::new();
     let mut x = 0.0;
     for character in text.chars().filter(|c| !c.is_control()) {
+        let font = font_of(character);
+        // A scale is a height from the lowest to the highest point of all letters, not an em.
+        let em = font.units_per_em().unwrap_or(1000.0);
+        let scaled = font.as_scaled(PxScale::from(size as f32 * font.height_unscaled() / em));
         let mut glyph = scaled.scaled_glyph(character);
-        if let Some(last) = glyphs.last() {
-            x += scaled.kern(last.id, glyph.id);
+        if let Some(last) = letters.last().filter(|last| std::ptr::eq(last.font, font)) {
+            x += scaled.kern(last.glyph.id, glyph.id);
         }
         glyph.position = point(x, 0.0);
         x += scaled.h_advance(glyph.id);
-        glyphs.push(glyph);
+        letters.push(Letter { font, glyph });
     }
-    (glyphs, f64::from(x))
+    (letters, f64::from(x))
 }
 
 /// Returns the width in pixels of a line of text of this size.
@@ -82,7 +100,7 @@ impl Image {
     /// Draws a line of text whose baseline passes through `at`, in pixels from the upper left
     /// corner; what lies outside is left out.
     pub fn text(&mut self, text: &str, at: [f64; 2], style: &TextStyle) {
-        let (glyphs, width) = set(text, style.size);
+        let (letters, width) = set(text, style.size);
         let before = match style.anchor {
             Anchor::Left => 0.0,
             Anchor::Centre => width / 2.0,
@@ -92,10 +110,10 @@ impl Image {
         if !origin.iter().all(|c| c.abs() < 1e6) {
             return;
         }
-        for mut glyph in glyphs {
+        for Letter { font, mut glyph } in letters {
             glyph.position.x += origin[0] as f32;
             glyph.position.y += origin[1] as f32;
-            let Some(outline) = FONT.outline_glyph(glyph) else {
+            let Some(outline) = font.outline_glyph(glyph) else {
                 continue;
             };
             let corner = outline.px_bounds().min;
@@ -119,13 +137,13 @@ fn stroke(cover: f32) -> f64 {
 mod tests {
     use ab_glyph::Font;
 
-    use super::{Anchor, FONT, TextStyle, text_width};
+    use super::{Anchor, TextStyle, font_of, text_width};
     use crate::{Image, Rgb};
 
     #[test]
-    fn the_font_has_what_labels_need() {
+    fn the_fonts_have_what_labels_need() {
         for character in "aZ09äé×·−⁻⁰¹²³⁴⁵⁶⁷⁸⁹µ°σ%()".chars() {
-            assert_ne!(FONT.glyph_id(character).0, 0, "{character}");
+            assert_ne!(font_of(character).glyph_id(character).0, 0, "{character}");
         }
     }
 

@@ -1,5 +1,6 @@
 //! Draws one picture of everything the crate can do into a folder given on the command line.
 
+mod plots;
 mod shapes;
 
 use std::error::Error;
@@ -35,6 +36,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let png = draw()?.to_png();
         println!("{name}.png: {} bytes", png.len());
         fs::write(folder.join(format!("{name}.png")), png)?;
+    }
+    for (name, svg) in [
+        ("convergence", plots::convergence()?),
+        ("front", plots::front()?),
+        ("times", plots::times()?),
+    ] {
+        println!("{name}.svg: {} bytes", svg.len());
+        fs::write(folder.join(format!("{name}.svg")), svg)?;
     }
     Ok(())
 }

@@ -120,7 +120,7 @@ pub(crate) fn torus_knot(length: u32, around: u32) -> Shape {
         for j in 0..around {
             let at = |i: u32, j: u32| i % length * around + j % around;
             let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            faces.extend([[a, b, c], [a, c, d]]);
+            faces.extend([[a, c, b], [a, d, c]]);
         }
     }
     Shape { positions, faces }

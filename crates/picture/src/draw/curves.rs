@@ -124,7 +124,8 @@ impl Stroke {
                     share.clamp(0.0, 1.0)
                 };
                 let foot = [share * along[0], share * along[1]];
-                let distance = (p[0] - foot[0]).hypot(p[1] - foot[1]);
+                let off = [p[0] - foot[0], p[1] - foot[1]];
+                let distance = (off[0] * off[0] + off[1] * off[1]).sqrt();
                 let cover = (self.reach() - distance).clamp(0.0, 1.0);
                 if cover <= 0.0 {
                     continue;

@@ -83,6 +83,16 @@ impl Frame {
         )
     }
 
+    /// Returns the ray through the middle of a pixel, scaled to depth 1.
+    pub(super) fn pixel_ray(&self, x: usize, y: usize) -> Vector3<f64> {
+        let middle = |pixel: usize| (pixel as f64 + 0.5) * self.samples as f64;
+        Vector3::new(
+            (middle(x) - self.centre[0]) / self.focal,
+            (middle(y) - self.centre[1]) / self.focal,
+            1.0,
+        )
+    }
+
     /// Returns the planes `n·v >= d` that keep points before the eye, and not farther outside of
     /// the picture than its own size.
     pub(super) fn planes(&self) -> [(Vector3<f64>, f64); 5] {

@@ -143,6 +143,11 @@ impl<'a> Mesh<'a> {
         (a * u + b * v + c * w).try_normalize(1e-6)
     }
 
+    /// Returns whether the paint has edges inside of faces, so that every sample needs its own.
+    pub(super) fn varies_within_faces(&self) -> bool {
+        matches!(self.cover, Cover::Checkers(..))
+    }
+
     /// Returns the colour of the paint where a ray meets the surface.
     pub(super) fn colour(&self, hit: &Hit) -> Linear {
         let vertices = self.faces[hit.face].map(|vertex| vertex as usize);
@@ -165,10 +170,11 @@ impl<'a> Mesh<'a> {
                 colours[usize::from((cell(0) + cell(1)).rem_euclid(2.0) >= 1.0)]
             }
         };
-        match hit.side {
-            Side::Front => colour,
-            Side::Back => [0, 1, 2].map(|i| colour[i] * BACK[i]),
+        // What lets one look through has no inside to be told from its outside.
+        if hit.side == Side::Front || self.opacity < 1.0 {
+            return colour;
         }
+        [0, 1, 2].map(|i| colour[i] * BACK[i])
     }
 }
 
@@ -176,10 +182,10 @@ impl<'a> Mesh<'a> {
 const KEY: [f32; 3] = [-0.42, -0.66, -0.62];
 const FILL: [f32; 3] = [0.80, -0.10, -0.59];
 /// Brightness of the lamps. A face towards the eye returns about its own colour.
-const KEY_LIGHT: f32 = 0.66;
-const FILL_LIGHT: f32 = 0.16;
-const SKY_LIGHT: f32 = 0.46;
-const GROUND_LIGHT: f32 = 0.20;
+const KEY_LIGHT: f32 = 0.70;
+const FILL_LIGHT: f32 = 0.20;
+const SKY_LIGHT: f32 = 0.52;
+const GROUND_LIGHT: f32 = 0.30;
 /// How much darker a surface becomes where it turns away from the eye.
 const RIM: f32 = 0.30;
 /// Strength and sharpness of the highlight.

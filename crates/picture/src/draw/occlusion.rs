@@ -25,6 +25,8 @@ pub(super) struct Openness {
 const TAPS: usize = 16;
 /// Side of the tile over which directions vary.
 const TILE: usize = 4;
+/// Different turns of the directions in a tile.
+const TURNS: usize = 16;
 /// Angle between successive neighbours: the golden one spreads any number of them evenly.
 const GOLDEN_ANGLE: f32 = 2.399_963;
 /// Sine of the rise over the tangent plane that facets of a mesh may have without a shade.
@@ -70,13 +72,14 @@ pub(super) fn per_pixel(
         height,
         reach: occlusion.reach as f32,
         strength: GAIN * occlusion.strength as f32,
+        neighbours: (0..TURNS).map(Gather::neighbours).collect(),
     };
     let mut raw = vec![1.0; width * height];
     raw.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
         for (x, open) in row.iter_mut().enumerate() {
             let id = buffers.id[sample(x, y)];
             if id != NOTHING {
-                let ray = frame.ray(middle(x), middle(y));
+                let ray = frame.pixel_ray(x, y);
                 *open = gather.open(x, y, &normal(prepared, id, &ray));
             }
         }
@@ -101,15 +104,24 @@ struct Gather<'a> {
     height: usize,
     reach: f32,
     strength: f32,
+    neighbours: Vec<[[f32; 2]; TAPS]>,
 }
 
 impl Gather<'_> {
     /// Returns the point seen at a pixel, in the camera's axes.
     fn point(&self, x: usize, y: usize) -> Vector3<f32> {
-        let samples = self.frame.samples;
-        let middle = |pixel: usize| pixel * samples + samples / 2;
-        let ray: Vector3<f32> = self.frame.ray(middle(x), middle(y)).cast();
+        let ray: Vector3<f32> = self.frame.pixel_ray(x, y).cast();
         ray * self.depth[y * self.width + x]
+    }
+
+    /// Returns the neighbours of a pixel with this turn: directions times shares of the radius.
+    fn neighbours(turn: usize) -> [[f32; 2]; TAPS] {
+        let start = turn as f32 / TURNS as f32;
+        std::array::from_fn(|tap| {
+            let share = (tap as f32 + 0.5 + 0.5 * start) / TAPS as f32;
+            let angle = start * std::f32::consts::TAU + tap as f32 * GOLDEN_ANGLE;
+            [share * angle.cos(), share * angle.sin()]
+        })
     }
 
     /// Returns the share of the sky over a pixel that its neighbours leave open.
@@ -117,15 +129,16 @@ impl Gather<'_> {
         let here = self.point(x, y);
         let pixels = self.frame.focal as f32 / self.frame.samples as f32;
         let radius = (self.reach * pixels / here.z).min(FARTHEST);
-        // A pattern in which neighbours in a tile are turned by different sixteenths.
-        let turn = (5 * (x % TILE) + 7 * (y % TILE) + (x % TILE) * (y % TILE)) % 16;
-        let start = turn as f32 / 16.0 * std::f32::consts::TAU;
+        let [i, j] = [x % TILE, y % TILE];
+        // A pattern in which neighbours in a tile have different turns.
+        let neighbours = &self.neighbours[(5 * i + 7 * j + i * j) % TURNS];
         let mut hidden = 0.0;
-        for tap in 0..TAPS {
-            let share = (tap as f32 + 0.5 + turn as f32 / 32.0) / TAPS as f32;
-            let (sin, cos) = (start + tap as f32 * GOLDEN_ANGLE).sin_cos();
-            let [dx, dy] = [cos, sin].map(|c| (radius * share * c).round());
-            let [u, v] = [x as f32 + dx, y as f32 + dy];
+        for offset in neighbours {
+            // Half a pixel, as the cast rounds down.
+            let [u, v] = [
+                x as f32 + 0.5 + radius * offset[0],
+                y as f32 + 0.5 + radius * offset[1],
+            ];
             if u < 0.0 || v < 0.0 || u >= self.width as f32 || v >= self.height as f32 {
                 continue;
             }

@@ -13,6 +13,7 @@ use crate::colour::{Linear, blend, bytes_from_linear};
 use crate::{Image, PictureError, Rgb};
 
 /// A translucent piece over one sample.
+#[derive(Clone, Copy)]
 struct Layer {
     /// Place of the sample in the band.
     place: u32,
@@ -30,19 +31,29 @@ struct Layers {
 }
 
 impl Layers {
-    fn sorted(mut layers: Vec<Layer>, samples: usize) -> Self {
-        if layers.is_empty() {
+    /// Returns the layers sorted by sample and from far to near; at one depth, what was added
+    /// first is behind.
+    fn sorted(added: &[Layer], samples: usize) -> Self {
+        let mut layers = added.to_vec();
+        if added.is_empty() {
             let starts = Vec::new();
             return Self { layers, starts };
         }
-        // The sort is stable: at one depth, what was added first is behind.
-        layers.sort_by(|a, b| (a.place.cmp(&b.place)).then(a.inverse.total_cmp(&b.inverse)));
         let mut starts = vec![0_u32; samples + 1];
-        for layer in &layers {
+        for layer in added {
             starts[layer.place as usize + 1] += 1;
         }
         for i in 0..samples {
             starts[i + 1] += starts[i];
+        }
+        let mut next = starts.clone();
+        for layer in added {
+            let next = &mut next[layer.place as usize];
+            layers[*next as usize] = *layer;
+            *next += 1;
+        }
+        for run in layers.chunk_by_mut(|a, b| a.place == b.place) {
+            run.sort_by(|a, b| a.inverse.total_cmp(&b.inverse));
         }
         Self { layers, starts }
     }
@@ -134,7 +145,7 @@ impl Resolve<'_> {
                 });
             });
         }
-        Layers::sorted(layers, rows.len() * frame.width)
+        Layers::sorted(&layers, rows.len() * frame.width)
     }
 
     /// Returns the mean colour of a pixel's samples; `None` where only background is.
@@ -142,12 +153,13 @@ impl Resolve<'_> {
         let (frame, samples) = (self.frame, self.frame.samples);
         let mut sum = [0.0_f32; 3];
         let mut blank = true;
+        let mut shaded = Shaded::default();
         for j in row * samples..(row + 1) * samples {
             for i in x * samples..(x + 1) * samples {
                 let sample = (first_row * samples + j) * frame.width + i;
                 let over = layers.over(j * frame.width + i);
                 blank &= self.buffers.id[sample] == NOTHING && over.is_empty();
-                let below = self.solid(sample, x, first_row + row);
+                let below = self.solid(sample, x, first_row + row, &mut shaded);
                 let colour = over.iter().fold(below, |below, layer| {
                     blend(below, layer.colour, layer.opacity)
                 });
@@ -158,20 +170,59 @@ impl Resolve<'_> {
     }
 
     /// Returns the colour of what is opaque at a sample of pixel (x, y).
-    fn solid(&self, sample: usize, x: usize, y: usize) -> Linear {
+    fn solid(&self, sample: usize, x: usize, y: usize, shaded: &mut Shaded) -> Linear {
         let id = self.buffers.id[sample];
         if id == NOTHING {
             return self.background;
         }
+        if let Some(colour) = shaded.find(id) {
+            return colour;
+        }
         let frame = self.frame;
-        let ray = frame.ray(sample % frame.width, sample / frame.width);
         let openness = self.openness.at(x, y, 1.0 / self.buffers.near[sample]);
         if id >= self.prepared.first_sphere {
             let ball = &self.prepared.spheres[(id - self.prepared.first_sphere) as usize];
-            return lit(ball.colour, &ball.normal(&ray), &ray, openness);
+            let ray = frame.pixel_ray(x, y);
+            let colour = lit(ball.colour, &ball.normal(&ray), &ray, openness);
+            return shaded.keep(id, colour);
         }
         let (mesh, face) = self.prepared.face(id);
+        let detailed = mesh.varies_within_faces();
+        let ray = if detailed {
+            frame.ray(sample % frame.width, sample / frame.width)
+        } else {
+            frame.pixel_ray(x, y)
+        };
         let hit = mesh.hit(face, &ray);
-        lit(mesh.colour(&hit), &hit.normal, &ray, openness)
+        let colour = lit(mesh.colour(&hit), &hit.normal, &ray, openness);
+        if detailed {
+            colour
+        } else {
+            shaded.keep(id, colour)
+        }
+    }
+}
+
+/// Colours of the things last seen in a pixel. Within one pixel a face or sphere has one colour,
+/// that at the middle of the pixel; only where things begin and end, each sample counts.
+#[derive(Default)]
+struct Shaded {
+    entries: [(u32, Linear); 4],
+    count: usize,
+}
+
+impl Shaded {
+    fn find(&self, id: u32) -> Option<Linear> {
+        let known = &self.entries[..self.count.min(self.entries.len())];
+        known
+            .iter()
+            .find(|entry| entry.0 == id)
+            .map(|entry| entry.1)
+    }
+
+    fn keep(&mut self, id: u32, colour: Linear) -> Linear {
+        self.entries[self.count % self.entries.len()] = (id, colour);
+        self.count += 1;
+        colour
     }
 }
