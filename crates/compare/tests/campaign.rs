@@ -262,14 +262,21 @@ fn a_row_that_others_need_runs_with_them_and_its_failure_is_theirs() {
     };
     let report = run(&only);
     assert_eq!(results(&report).len(), 2);
-    assert!(results(&report).iter().all(|r| matches!(r, RowResult::Done(_))));
+    assert!(
+        results(&report)
+            .iter()
+            .all(|r| matches!(r, RowResult::Done(_)))
+    );
     let unknown = Campaign {
         row: Some("none".to_owned()),
         ..only
     };
     let error = unknown.run(&Display::new(Verbosity::Quiet));
     let text = error.expect_err("no such row").to_string();
-    assert!(text.contains("no row `none`") && text.contains("after"), "{text}");
+    assert!(
+        text.contains("no row `none`") && text.contains("after"),
+        "{text}"
+    );
     std::fs::write(project.path("record.json"), "{").expect("written");
     let fresh = Campaign {
         reuse: Reuse::Nothing,

@@ -120,7 +120,7 @@ fn skin<const N: usize, const F: usize>(
         }
     }
     // Stable, so that the order of the cells decides between equals.
-    sides.sort_by(|a, b| a.sorted.cmp(&b.sorted));
+    sides.sort_by_key(|side| side.sorted);
     let [mut outer, mut fresh] = [Vec::new(), Vec::new()];
     for pair in sides.chunk_by(|a, b| a.sorted == b.sorted) {
         let mut kept = pair.iter().filter(|side| side.kept);

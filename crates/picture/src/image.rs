@@ -171,6 +171,7 @@ impl Image {
         let mut encoder = png::Encoder::new(&mut file, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
+        // A twentieth of the time of the balanced level, for files a quarter larger.
         encoder.set_compression(png::Compression::Fast);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         encoder
@@ -276,10 +277,8 @@ mod tests {
         image.paste(&colourful(), 9, 9);
         image.paste(&colourful(), 3, 0);
         image.line([-1e9, 2.0], [1e9, 2.0], 1.0, Rgb::INK);
-        assert_eq!(
-            image.pixel(3, 3),
-            Some(Rgb::RED).map(|_| colourful().pixel(0, 3)).flatten()
-        );
+        let pasted = colourful().pixel(0, 3);
+        assert_eq!(image.pixel(3, 3), pasted);
         assert_eq!(image.pixel(4, 0), None);
     }
 

@@ -83,6 +83,12 @@ impl Ticks {
         if ticks.len() < 2 {
             return Self::linear(range, most);
         }
+        let short = ticks.iter().all(|(_, power)| PLAIN.contains(power));
+        let style = if short {
+            Powers::WrittenOut
+        } else {
+            Powers::Raised
+        };
         Self {
             values: ticks
                 .iter()
@@ -90,7 +96,7 @@ impl Ticks {
                 .collect(),
             labels: ticks
                 .iter()
-                .map(|&(factor, power)| product(factor, power))
+                .map(|&(factor, power)| product(factor, power, style))
                 .collect(),
             exponent: 0,
         }
@@ -110,19 +116,23 @@ fn scale(number: f64, power: i32) -> f64 {
     }
 }
 
-/// Returns `factor` times a power of ten, written out if that is short.
-fn product(factor: i32, power: i32) -> String {
-    if PLAIN.contains(&power) {
-        return format!(
-            "{:.*}",
-            (-power).max(0) as usize,
-            scale(f64::from(factor), power)
-        );
+/// Returns `factor` times a power of ten, written out or as a power.
+fn product(factor: i32, power: i32, style: Powers) -> String {
+    match (style, factor) {
+        (Powers::WrittenOut, _) => {
+            let decimals = (-power).max(0) as usize;
+            format!("{:.decimals$}", scale(f64::from(factor), power))
+        }
+        (Powers::Raised, 1) => format!("10{}", superscript(power)),
+        (Powers::Raised, _) => format!("{factor}×10{}", superscript(power)),
     }
-    match factor {
-        1 => format!("10{}", superscript(power)),
-        _ => format!("{factor}×10{}", superscript(power)),
-    }
+}
+
+/// How the powers of ten along one scale are written.
+#[derive(Clone, Copy)]
+enum Powers {
+    WrittenOut,
+    Raised,
 }
 
 /// Returns a number in few letters.
@@ -214,7 +224,7 @@ mod tests {
         let ticks = Ticks::logarithmic([1e-6, 1e-1], 7);
         assert_eq!(
             ticks.labels,
-            ["10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01", "0.1"]
+            ["10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹"]
         );
         assert_eq!(
             Ticks::logarithmic([1.0, 20.0], 6).labels,

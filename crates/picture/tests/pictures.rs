@@ -295,56 +295,63 @@ fn a_point_appears_where_it_is_said_to() {
     assert_eq!(scene.pixel(&Point3::new(0.0, 0.0, 9.0), &PLAIN), None);
 }
 
+/// Returns what is wrong with the picture of one surface.
+fn wrong(surface: Surface<'_>, drawing: &Drawing) -> Option<PictureError> {
+    let mut scene = Scene::new(before(4.0));
+    scene.add(surface);
+    scene.draw(drawing).err()
+}
+
 #[test]
-fn wrong_input_is_named() {
+fn wrong_objects_are_named() {
     let positions = [[0.0; 3], [1.0, 0.0, 0.0], [f64::NAN, 1.0, 0.0]].map(Point3::from);
-    let draw = |object: Surface<'_>, drawing: &Drawing| {
-        let mut scene = Scene::new(before(4.0));
-        scene.add(object);
-        scene.draw(drawing).map(|_| ())
-    };
-    let out = draw(Surface::new(&positions, &[[0, 1, 7]]), &PLAIN);
-    let wrong = PictureError::IndexOutOfRange {
+    let out = PictureError::IndexOutOfRange {
         object: 0,
         element: 0,
         point: 7,
         points: 3,
     };
-    assert_eq!(out, Err(wrong));
-    let nan = draw(Surface::new(&positions, &[[0, 1, 2]]), &PLAIN);
-    assert_eq!(
-        nan,
-        Err(PictureError::NotFinite {
-            object: 0,
-            point: 2
-        })
-    );
+    let surface = Surface::new(&positions, &[[0, 1, 7]]);
+    assert_eq!(wrong(surface, &PLAIN), Some(out));
+    let nan = PictureError::NotFinite {
+        object: 0,
+        point: 2,
+    };
+    let surface = Surface::new(&positions, &[[0, 1, 2]]);
+    assert_eq!(wrong(surface, &PLAIN), Some(nan));
     let few = Surface::new(&positions, &[]).paint(Paint::Colours(&[Rgb::RED]));
+    let error = wrong(few, &PLAIN);
     assert!(matches!(
-        draw(few, &PLAIN),
-        Err(PictureError::WrongCount { found: 1, .. })
+        error,
+        Some(PictureError::WrongCount { found: 1, .. })
     ));
-    let nothing = Surface::new(&positions, &[]);
-    assert_eq!(draw(nothing, &PLAIN), Ok(()));
+    assert_eq!(wrong(Surface::new(&positions, &[]), &PLAIN), None);
+    assert_eq!(wrong(Surface::new(&[], &[]), &PLAIN), None);
+}
+
+#[test]
+fn wrong_drawings_are_named() {
+    let nothing = Surface::new(&[], &[]);
     let empty = Drawing { width: 0, ..PLAIN };
-    assert_eq!(
-        draw(nothing, &empty),
-        Err(PictureError::Empty {
-            width: 0,
-            height: 200
-        })
-    );
+    let error = wrong(nothing, &empty);
+    assert!(matches!(error, Some(PictureError::Empty { width: 0, .. })));
     for side in [100_000, usize::MAX] {
         let large = Drawing {
             width: side,
             height: side,
             ..PLAIN
         };
-        assert!(matches!(
-            draw(nothing, &large),
-            Err(PictureError::TooLarge { .. })
-        ));
+        let error = wrong(nothing, &large);
+        assert!(matches!(error, Some(PictureError::TooLarge { .. })));
     }
+    let occlusion = Occlusion {
+        strength: -1.0,
+        reach: 0.1,
+    };
+    let detail = Some(Detail {
+        source: Rect::default(),
+        magnification: 0,
+    });
     for drawing in [
         Drawing {
             samples: 0,
@@ -354,25 +361,11 @@ fn wrong_input_is_named() {
             bias: f64::NAN,
             ..PLAIN
         },
-        Drawing {
-            occlusion: Occlusion {
-                strength: -1.0,
-                reach: 0.1,
-            },
-            ..PLAIN
-        },
-        Drawing {
-            detail: Some(Detail {
-                source: Rect::default(),
-                magnification: 0,
-            }),
-            ..PLAIN
-        },
+        Drawing { occlusion, ..PLAIN },
+        Drawing { detail, ..PLAIN },
     ] {
-        assert!(matches!(
-            draw(nothing, &drawing),
-            Err(PictureError::BadOption { .. })
-        ));
+        let error = wrong(nothing, &drawing);
+        assert!(matches!(error, Some(PictureError::BadOption { .. })));
     }
 }
 

@@ -168,12 +168,12 @@ impl Axis {
         match self {
             Self::Knots => "knots or control vertices",
             Self::Dofs => "free coefficients",
-            Self::Error => "mean error, % of the diagonal",
-            Self::Distance => "distance, rms, % of the diagonal",
+            Self::Error => "mean error, % of diagonal",
+            Self::Distance => "rms distance, % of diagonal",
             Self::Psnr => "PSNR per channel, dB",
             Self::Seconds => "time from start to end, s",
             Self::Elapsed => "seconds since the start",
-            Self::Objective => "root mean square error, % of the diagonal",
+            Self::Objective => "rms error, % of diagonal",
         }
     }
 }

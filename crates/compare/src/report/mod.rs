@@ -239,10 +239,6 @@ pub fn papers(report: &Report) -> Vec<String> {
 /// # Errors
 /// A file that cannot be written.
 pub fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder)?;
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    std::io::Write::write_all(&mut file, bytes)?;
-    file.persist(path)?;
-    Ok(())
+    std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
+    msplines_io::write_atomically(path, |out| out.write_all(bytes)).map_err(std::io::Error::other)
 }

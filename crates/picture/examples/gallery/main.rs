@@ -1,5 +1,7 @@
 //! Draws one picture of everything the crate can do into a folder given on the command line.
 
+#![expect(clippy::print_stdout, reason = "an example tells what it has written")]
+
 mod plots;
 mod shapes;
 
@@ -15,6 +17,8 @@ use msplines_picture::{
 use nalgebra::{Point3, Vector3};
 
 type Outcome = Result<Image, Box<dyn Error>>;
+/// A name and what draws the picture of this name.
+type Entry = (&'static str, fn() -> Outcome);
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args()
@@ -22,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .ok_or("give a folder to draw into")?;
     let folder = PathBuf::from(folder);
     fs::create_dir_all(&folder)?;
-    let pictures: [(&str, fn() -> Outcome); 8] = [
+    let pictures: [Entry; 8] = [
         ("clay", clay),
         ("knot", knot),
         ("errors", errors),

@@ -134,7 +134,7 @@ impl Stroke {
                 let depth = 1.0 / inverse;
                 let lifted = (depth - frame.bias).max(NEAR);
                 let slope = SLOPE * self.half * depth / frame.focal;
-                let middle = nearest(frame, near, [a[0] + foot[0], a[1] + foot[1]]);
+                let middle = farthest(frame, near, [a[0] + foot[0], a[1] + foot[1]]);
                 let here = near[row * frame.width + column];
                 let hidden = |other: f32, depth: f64| f64::from(other) > 1.0 / depth;
                 if hidden(middle, lifted) || hidden(here, (lifted - slope).max(NEAR)) {
@@ -147,13 +147,21 @@ impl Stroke {
     }
 }
 
-/// Returns the inverse depth at the sample that holds a point; 0 outside of the picture.
-fn nearest(frame: &Frame, near: &[f32], point: [f64; 2]) -> f32 {
+/// Returns the inverse depth of the farthest thing seen at the samples around a point; 0 beside the
+/// picture.
+///
+/// Where a surface turns away, depths differ much from one sample to the next; asking one alone
+/// would cut a line along the outline into beads.
+fn farthest(frame: &Frame, near: &[f32], point: [f64; 2]) -> f32 {
     let [x, y] = point;
-    let inside = x >= 0.0 && y >= 0.0 && x < frame.width as f64 && y < frame.height as f64;
-    if inside {
-        near[y as usize * frame.width + x as usize]
-    } else {
-        0.0
+    let inside =
+        x >= 1.0 && y >= 1.0 && x < frame.width as f64 - 1.0 && y < frame.height as f64 - 1.0;
+    if !inside {
+        return 0.0;
     }
+    let (x, y) = (x as usize, y as usize);
+    let rows = [y - 1, y, y + 1].map(|row| &near[row * frame.width + x - 1..][..3]);
+    rows.into_iter()
+        .flatten()
+        .fold(f32::MAX, |least, inverse| least.min(*inverse))
 }

@@ -178,7 +178,7 @@ fn visible(prepared: &Prepared<'_>, frame: &Frame) -> Buffers {
         for &index in &faces[band] {
             let triangle = &prepared.solid[index as usize];
             triangle.cover(frame, range.clone(), |at, inverse| {
-                put(at, inverse, triangle.id)
+                put(at, inverse, triangle.id);
             });
         }
         for &index in &balls[band] {

@@ -32,7 +32,7 @@ const GOLDEN_ANGLE: f32 = 2.399_963;
 /// Sine of the rise over the tangent plane that facets of a mesh may have without a shade.
 const RISE: f32 = 0.08;
 /// Darkening at strength 1 per mean rise.
-const GAIN: f32 = 1.9;
+const GAIN: f32 = 3.0;
 /// Depths that differ by less than this share of the reach are one surface.
 const SAME_SURFACE: f32 = 0.2;
 /// The farthest neighbour in pixels, which bounds the time of close views.

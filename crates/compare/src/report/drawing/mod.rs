@@ -13,6 +13,7 @@ use msplines_picture::{ColourBar, ColourMap, ColourScale, Image, Rgb};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::Unit;
 use crate::campaign::{ItemReport, Report, RowReport, RowResult};
 use crate::experiment::{Figure, Panel, PaperFacts, Show};
 use source::Source;
@@ -193,11 +194,16 @@ fn measure(item: &ItemReport, panel: &Panel) -> String {
         .row(&panel.row)
         .filter(|_| matches!(panel.show, Show::Error | Show::Spline))
         .map(super::error_quantity);
-    match error.and_then(|quantity| Some(quantity.unit.show(quantity.ours?))) {
-        Some(text) if panel.show == Show::Error => format!("mean {text}"),
-        Some(text) => format!("mean error {text}"),
-        None => String::new(),
-    }
+    let Some((unit, ours)) = error.and_then(|quantity| Some((quantity.unit, quantity.ours?)))
+    else {
+        return String::new();
+    };
+    let name = match unit {
+        Unit::Decibel => "PSNR",
+        _ if panel.show == Show::Error => "mean",
+        _ => "mean error",
+    };
+    format!("{name} {}", unit.show(ours))
 }
 
 fn bar(scale: ColourScale) -> Option<Bar> {

@@ -113,7 +113,10 @@ fn value(record: &Record, axis: Axis) -> Option<f64> {
     let error = record.error.as_ref();
     let knots = || {
         let checks = &record.checks;
-        checks.get("knots").or_else(|| checks.get("controls"))?.as_f64()
+        checks
+            .get("knots")
+            .or_else(|| checks.get("controls"))?
+            .as_f64()
     };
     let value = match axis {
         Axis::Knots => knots()?,
