@@ -2,7 +2,7 @@
 
 use crate::colour_map::{ColourScale, Spacing};
 use crate::error::{PictureError, check_option};
-use crate::ticks::{Ticks, superscript};
+use crate::ticks::Ticks;
 use crate::{Image, Rect, Rgb, TextStyle, text_width};
 
 /// A colour bar to the right of a picture.
@@ -45,7 +45,7 @@ impl<'a> ColourBar<'a> {
             "from 6 to 200 pixels",
         )?;
         let ticks = self.ticks(image.height() as f64);
-        let title = self.title(&ticks);
+        let title = ticks.title(self.label);
         let widest = ticks
             .labels
             .iter()
@@ -65,14 +65,6 @@ impl<'a> ColourBar<'a> {
         match self.scale.spacing {
             Spacing::Linear => Ticks::linear(self.scale.range, most),
             Spacing::Logarithmic => Ticks::logarithmic(self.scale.range, most.max(2)),
-        }
-    }
-
-    fn title(&self, ticks: &Ticks) -> String {
-        match (self.label, ticks.exponent) {
-            (label, 0) => label.to_owned(),
-            ("", power) => format!("×10{}", superscript(power)),
-            (label, power) => format!("{label} (×10{})", superscript(power)),
         }
     }
 
@@ -144,6 +136,6 @@ mod tests {
     #[test]
     fn a_common_power_of_ten_stands_in_the_title() {
         let bar = ColourBar::new(ColourScale::linear(ColourMap::ColdWarm, [0.0, 3e-6]), "mm");
-        assert_eq!(bar.title(&bar.ticks(500.0)), "mm (×10⁻⁶)");
+        assert_eq!(bar.ticks(500.0).title(bar.label), "mm (×10⁻⁶)");
     }
 }

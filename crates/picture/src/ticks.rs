@@ -59,6 +59,15 @@ impl Ticks {
         }
     }
 
+    /// Returns the name of what the numbers measure, with the power of ten that their labels share.
+    pub(crate) fn title(&self, label: &str) -> String {
+        match (label, self.exponent) {
+            (label, 0) => label.to_owned(),
+            ("", power) => format!("×10{}", superscript(power)),
+            (label, power) => format!("{label} (×10{})", superscript(power)),
+        }
+    }
+
     /// Returns powers of ten, and 2 and 5 times them where the range holds few; both ends of the
     /// range are positive. Every label stands for itself.
     pub(crate) fn logarithmic(range: [f64; 2], most: usize) -> Self {
@@ -158,7 +167,7 @@ pub(crate) fn scientific(value: f64) -> String {
 }
 
 /// Returns an exponent in raised digits.
-pub(crate) fn superscript(power: i32) -> String {
+fn superscript(power: i32) -> String {
     let raise = |c: char| match c {
         '-' => '⁻',
         '1' => '¹',
@@ -204,6 +213,7 @@ mod tests {
     fn small_numbers_share_a_power_of_ten() {
         let ticks = Ticks::linear([0.0, 4e-5], 5);
         assert_eq!(ticks.exponent, -5);
+        assert_eq!(ticks.title("mm"), "mm (×10⁻⁵)");
         assert_eq!(ticks.labels, ["0", "1", "2", "3", "4"]);
         assert_eq!(ticks.values[3], 3e-5);
         assert_eq!(

@@ -237,6 +237,55 @@ fn what_is_translucent_lets_the_background_through() {
 }
 
 #[test]
+fn faint_curves_are_as_faint_where_segments_meet() {
+    let points: Vec<_> = (0..=40)
+        .map(|i| Point3::new(f64::from(i) / 20.0 - 1.0, 0.01, 0.0))
+        .collect();
+    let segments: Vec<[u32; 2]> = (0..40).map(|i| [i, i + 1]).collect();
+    let mut scene = Scene::new(before(4.0));
+    let faint = Curves::new(&points, &segments).width(9.0).opacity(0.5);
+    scene.add(faint);
+    let image = scene.draw(&PLAIN).expect("a picture");
+    let line: Vec<_> = (60..140).map(|x| image.pixel(x, 99)).collect();
+    assert!(line.iter().all(|pixel| *pixel == line[0]), "{line:?}");
+}
+
+#[test]
+fn a_corner_is_darker_than_a_plane() {
+    // A floor and a wall that meet in front of the eye.
+    let corners = [
+        [-2.0, -0.5, 2.0],
+        [2.0, -0.5, 2.0],
+        [2.0, -0.5, -0.5],
+        [-2.0, -0.5, -0.5],
+        [-2.0, 2.0, -0.5],
+        [2.0, 2.0, -0.5],
+    ];
+    let positions = corners.map(Point3::from);
+    let faces = [[0, 1, 2], [0, 2, 3], [3, 2, 5], [3, 5, 4]];
+    let draw = |strength| {
+        let mut scene = Scene::new(before(4.0));
+        scene.add(Surface::new(&positions, &faces).shading(Shading::Flat));
+        let occlusion = Occlusion {
+            strength,
+            reach: 0.2,
+        };
+        scene
+            .draw(&Drawing { occlusion, ..PLAIN })
+            .expect("a picture")
+    };
+    let [without, with] = [draw(0.0), draw(1.0)];
+    let darker = |y: usize| {
+        let red = |image: &Image| image.pixel(100, y).map_or(0, |pixel| i32::from(pixel.red));
+        red(&without) - red(&with)
+    };
+    // The floor ends where the wall starts: half a unit down at depth four and a half.
+    let seam = 100 + (0.5 / 4.5 / f64::tan(0.4) * 100.0) as usize;
+    assert!(darker(seam - 2) > 5, "{}", darker(seam - 2));
+    assert_eq!(darker(20), 0);
+}
+
+#[test]
 fn the_back_of_a_face_is_darker_and_warmer() {
     let positions = [[-2.0, -2.0, 0.0], [2.0, -2.0, 0.0], [0.0, 2.0, 0.0]].map(Point3::from);
     let draw = |face: [u32; 3]| {

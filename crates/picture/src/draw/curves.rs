@@ -26,6 +26,8 @@ pub(super) struct Stroke {
     pub(super) colour: Linear,
     /// Share of the samples it covers fully that it replaces.
     opacity: f64,
+    /// Number of the object it belongs to, whose strokes together cover a sample once.
+    pub(super) object: u32,
 }
 
 /// A sample hides a stroke beside its middle line if it is nearer by this many half widths.
@@ -36,6 +38,7 @@ impl Stroke {
     pub(super) fn new(
         mut ends: [Vector3<f64>; 2],
         curves: &Curves<'_>,
+        object: u32,
         frame: &Frame,
     ) -> Option<Self> {
         for i in 0..2 {
@@ -56,6 +59,7 @@ impl Stroke {
             half: curves.width * frame.per_pixel / 2.0,
             colour: curves.colour.to_linear(),
             opacity: curves.opacity,
+            object,
         })
     }
 

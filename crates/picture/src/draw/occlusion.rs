@@ -65,8 +65,10 @@ pub(super) fn per_pixel(
     if occlusion.strength <= 0.0 || occlusion.reach <= 0.0 {
         return openness;
     }
+    let corner = frame.pixel_ray(0, 0);
     let gather = Gather {
-        frame,
+        first: [corner.x as f32, corner.y as f32],
+        pixels: (frame.focal / samples as f64) as f32,
         depth: &openness.depth,
         width,
         height,
@@ -98,7 +100,10 @@ fn normal(prepared: &Prepared<'_>, id: u32, ray: &Vector3<f64>) -> Vector3<f32> 
 
 /// What the search around a pixel needs.
 struct Gather<'a> {
-    frame: &'a Frame,
+    /// Slopes of the ray through the first pixel.
+    first: [f32; 2],
+    /// Pixels that the unit at depth 1 spans.
+    pixels: f32,
     depth: &'a [f32],
     width: usize,
     height: usize,
@@ -110,8 +115,12 @@ struct Gather<'a> {
 impl Gather<'_> {
     /// Returns the point seen at a pixel, in the camera's axes.
     fn point(&self, x: usize, y: usize) -> Vector3<f32> {
-        let ray: Vector3<f32> = self.frame.pixel_ray(x, y).cast();
-        ray * self.depth[y * self.width + x]
+        let depth = self.depth[y * self.width + x];
+        Vector3::new(
+            (self.first[0] + x as f32 / self.pixels) * depth,
+            (self.first[1] + y as f32 / self.pixels) * depth,
+            depth,
+        )
     }
 
     /// Returns the neighbours of a pixel with this turn: directions times shares of the radius.
@@ -127,8 +136,7 @@ impl Gather<'_> {
     /// Returns the share of the sky over a pixel that its neighbours leave open.
     fn open(&self, x: usize, y: usize, normal: &Vector3<f32>) -> f32 {
         let here = self.point(x, y);
-        let pixels = self.frame.focal as f32 / self.frame.samples as f32;
-        let radius = (self.reach * pixels / here.z).min(FARTHEST);
+        let radius = (self.reach * self.pixels / here.z).min(FARTHEST);
         let [i, j] = [x % TILE, y % TILE];
         // A pattern in which neighbours in a tile have different turns.
         let neighbours = &self.neighbours[(5 * i + 7 * j + i * j) % TURNS];

@@ -49,7 +49,7 @@ impl<'a> Prepared<'a> {
                 }
                 Object::Curves(curves) => {
                     check_curves(object, curves)?;
-                    prepared.add_curves(curves, &scene.camera, frame);
+                    prepared.add_curves(curves, object as u32, &scene.camera, frame);
                 }
                 Object::Spheres(spheres) => {
                     check_spheres(object, spheres)?;
@@ -86,14 +86,14 @@ impl<'a> Prepared<'a> {
         self.meshes.push(mesh);
     }
 
-    fn add_curves(&mut self, curves: &Curves<'_>, camera: &Camera, frame: &Frame) {
+    fn add_curves(&mut self, curves: &Curves<'_>, object: u32, camera: &Camera, frame: &Frame) {
         let ends = |segment: &[u32; 2]| {
             segment.map(|point| camera.to_view(&curves.points[point as usize]))
         };
         let strokes = curves
             .segments
             .iter()
-            .filter_map(|segment| Stroke::new(ends(segment), curves, frame));
+            .filter_map(|segment| Stroke::new(ends(segment), curves, object, frame));
         self.strokes.extend(strokes);
     }
 

@@ -21,6 +21,8 @@ struct Layer {
     inverse: f32,
     colour: Linear,
     opacity: f32,
+    /// Number of the curves it belongs to; none for faces.
+    curves: Option<u32>,
 }
 
 /// Layers of a band, for each sample from far to near.
@@ -53,6 +55,7 @@ impl Layers {
             *next += 1;
         }
         for run in layers.chunk_by_mut(|a, b| a.place == b.place) {
+            unite_strokes(run);
             run.sort_by(|a, b| a.inverse.total_cmp(&b.inverse));
         }
         Self { layers, starts }
@@ -62,6 +65,21 @@ impl Layers {
         match (self.starts.get(place), self.starts.get(place + 1)) {
             (Some(&start), Some(&end)) => &self.layers[start as usize..end as usize],
             _ => &[],
+        }
+    }
+}
+
+/// Lets the strokes of one object over one sample act as one, so that the ends of segments, which
+/// overlap, are no darker than the rest; what is taken into another is left with no opacity.
+fn unite_strokes(run: &mut [Layer]) {
+    for i in 1..run.len() {
+        let (before, rest) = run.split_at_mut(i);
+        let layer = &mut rest[0];
+        let same = |other: &&mut Layer| other.curves.is_some() && other.curves == layer.curves;
+        if let Some(first) = before.iter_mut().find(same) {
+            first.opacity = first.opacity.max(layer.opacity);
+            first.inverse = first.inverse.max(layer.inverse);
+            layer.opacity = 0.0;
         }
     }
 }
@@ -130,6 +148,7 @@ impl Resolve<'_> {
                         inverse,
                         colour: lit(mesh.colour(&hit), &hit.normal, &ray, 1.0),
                         opacity: mesh.opacity,
+                        curves: None,
                     });
                 }
             });
@@ -142,6 +161,7 @@ impl Resolve<'_> {
                     inverse,
                     colour: stroke.colour,
                     opacity,
+                    curves: Some(stroke.object),
                 });
             });
         }

@@ -1,7 +1,7 @@
 //! Horizontal bars, such as running times.
 
 use super::Quantity;
-use super::curves::{LABEL, TICK, TITLE, WIDER};
+use super::curves::{GRID, LABEL, TICK, TITLE, WIDER};
 use super::sheet::{self, Lettering, Sheet, Weight, series_colour};
 use super::track::{self, Track};
 use crate::ticks::scientific;
@@ -101,12 +101,12 @@ impl<'a> Bars<'a> {
         let ticks = track.ticks(((right - left) / 80.0) as usize);
         for (value, label) in ticks.values.iter().zip(&ticks.labels) {
             let x = track.place(*value);
-            sheet.line(&[[x, top], [x, bottom]], 1.0, Rgb::new(226, 228, 232));
+            sheet.line(&[[x, top], [x, bottom]], 1.0, GRID);
             let at = [x, bottom + 0.9 * TICK];
             sheet.text(label, at, Lettering::new(TICK, Anchor::Centre));
         }
         let at = [(left + right) / 2.0, bottom + 2.2 * TICK];
-        let label = track::title(self.quantity.label, &ticks);
+        let label = ticks.title(self.quantity.label);
         sheet.text(&label, at, Lettering::new(LABEL, Anchor::Centre));
         let base = track.base();
         sheet.line(&[[base, top], [base, bottom]], 1.4, Rgb::INK);

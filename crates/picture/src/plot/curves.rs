@@ -99,7 +99,7 @@ pub(super) const TICK: f64 = 17.0;
 pub(super) const WIDER: f64 = 1.12;
 const MARK: f64 = 5.5;
 const LINE: f64 = 2.2;
-const GRID: Rgb = Rgb::new(226, 228, 232);
+pub(super) const GRID: Rgb = Rgb::new(226, 228, 232);
 const HIGHLIGHT: Rgb = Rgb::new(240, 228, 66);
 
 /// The part of the sheet between the axes.
@@ -233,13 +233,13 @@ impl<'a> Plot<'a> {
         );
         let middle = [(area.left + area.right) / 2.0, height - 8.0 - 0.6 * LABEL];
         let label = Lettering::new(LABEL, Anchor::Centre);
-        sheet.text(&track::title(self.x.label, &across), middle, label);
+        sheet.text(&across.title(self.x.label), middle, label);
         let upwards = Lettering {
             direction: Direction::Up,
             ..label
         };
         let side = [10.0 + 0.6 * LABEL, (area.top + area.bottom) / 2.0];
-        sheet.text(&track::title(self.y.label, &up), side, upwards);
+        sheet.text(&up.title(self.y.label), side, upwards);
     }
 
     fn draw_legend(&self, entries: &[Entry<'_>], sheet: &mut Sheet<'_>) {

@@ -1,7 +1,7 @@
 //! An axis: from numbers to places along it.
 
 use crate::plot::Quantity;
-use crate::ticks::{Ticks, superscript};
+use crate::ticks::Ticks;
 use crate::{PictureError, Spacing};
 
 /// Where the numbers of a quantity stand between two ends of an axis.
@@ -128,15 +128,6 @@ impl Track {
                 Ticks::logarithmic(self.ends.map(|number| 10.0_f64.powf(number)), most)
             }
         }
-    }
-}
-
-/// Returns the label of an axis with the power of ten that its ticks share.
-pub(super) fn title(label: &str, ticks: &Ticks) -> String {
-    match (label, ticks.exponent) {
-        (label, 0) => label.to_owned(),
-        ("", power) => format!("×10{}", superscript(power)),
-        (label, power) => format!("{label} (×10{})", superscript(power)),
     }
 }
 
