@@ -111,6 +111,24 @@ pub struct Callout {
     pub at: [f64; 2],
     /// Side of the part.
     pub size: f64,
+    /// Where the magnified part goes.
+    #[serde(default)]
+    pub corner: Corner,
+}
+
+/// A corner of a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Corner {
+    /// At the top, left.
+    TopLeft,
+    /// At the top, right.
+    TopRight,
+    /// At the bottom, left.
+    BottomLeft,
+    /// At the bottom, right.
+    #[default]
+    BottomRight,
 }
 
 /// A plot: one point per row and one series per method, or per `series` of the rows.

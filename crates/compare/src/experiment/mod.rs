@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::generated::GeneratedSurface;
 
-pub use figure::{Axis, Callout, Edges, Figure, Panel, Plot, Show, UpAxis, ViewHint};
+pub use figure::{Axis, Callout, Corner, Edges, Figure, Panel, Plot, Show, UpAxis, ViewHint};
 pub use row::{Ancestors, MethodName, Printed, Recorded, Row, RowData};
 
 /// The schema of [`Experiment`].

@@ -16,7 +16,7 @@ use serde::Serialize;
 use super::Unit;
 use crate::campaign::{ItemReport, Report, RowReport, RowResult};
 use crate::experiment::{Figure, Panel, PaperFacts, Show};
-use source::Source;
+use source::{Domains, Source};
 
 /// How pictures are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,6 +103,7 @@ const BAR_LABEL: &str = "% of diagonal";
 /// Draws everything that a report shows. A picture that cannot be drawn says why in its place.
 #[must_use]
 pub fn draw(report: &Report, options: DrawingOptions) -> Drawings {
+    let domains = Domains::default();
     let items = report.items.par_iter().map(|item| {
         let figures = item.figures.iter();
         let mut plots: Vec<DrawnPlot> = item
@@ -114,7 +115,9 @@ pub fn draw(report: &Report, options: DrawingOptions) -> Drawings {
             plots.extend(plots::pareto(item));
         }
         DrawnItem {
-            figures: figures.map(|f| draw_figure(item, f, options)).collect(),
+            figures: figures
+                .map(|figure| draw_figure(item, figure, &domains, options))
+                .collect(),
             plots,
         }
     });
@@ -123,13 +126,18 @@ pub fn draw(report: &Report, options: DrawingOptions) -> Drawings {
     }
 }
 
-fn draw_figure(item: &ItemReport, figure: &Figure, options: DrawingOptions) -> DrawnFigure {
+fn draw_figure(
+    item: &ItemReport,
+    figure: &Figure,
+    domains: &Domains,
+    options: DrawingOptions,
+) -> DrawnFigure {
     let mut ids: Vec<&str> = figure.panels.iter().map(|p| p.row.as_str()).collect();
     ids.sort_unstable();
     ids.dedup();
     let sources: BTreeMap<&str, Result<Source, String>> = ids
         .into_par_iter()
-        .filter_map(|id| Some((id, source_of(item.row(id)?))))
+        .filter_map(|id| Some((id, source_of(item.row(id)?, domains))))
         .collect();
     let shows_errors = |panel: &&Panel| panel.show == Show::Error;
     let highest = figure
@@ -175,9 +183,9 @@ fn draw_figure(item: &ItemReport, figure: &Figure, options: DrawingOptions) -> D
     }
 }
 
-fn source_of(report: &RowReport) -> Result<Source, String> {
+fn source_of(report: &RowReport, domains: &Domains) -> Result<Source, String> {
     match &report.result {
-        RowResult::Done(_) => Source::load(report),
+        RowResult::Done(_) => Source::load(report, domains),
         RowResult::NotRun(why) => Err(format!("not run: {why}")),
         RowResult::Failed(why) => Err(format!("failed: {why}")),
     }

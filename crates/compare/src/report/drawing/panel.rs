@@ -1,25 +1,27 @@
 //! One picture of a row, and the lighter mesh that can be turned in its place.
 
 use msplines_common::Point3;
-use msplines_common::mesh::{TriangleMesh, decimate};
+use msplines_common::mesh::{Decimated, TriangleMesh};
 use msplines_picture::{
-    Axis, Callout, Camera, ColourScale, Curves, Drawing, Image, Paint, PictureError, Radius, Rect,
-    Rgb, Scene, Shading, Spheres, Surface, View, edges,
+    Axis, Callout, Camera, ColourScale, Corner, Curves, Drawing, Image, Paint, PictureError,
+    Radius, Rect, Rgb, Scene, Shading, Spheres, Surface, View, edges,
 };
 
 use super::super::surface_payload::{self, Lines, Points, SurfaceView};
 use super::source::Source;
 use super::{DrawingOptions, Views};
-use crate::experiment::{Callout as Part, Edges, Panel, Show, UpAxis};
+use crate::experiment::{Callout as Part, Corner as PartCorner, Edges, Panel, Show, UpAxis};
 
-/// Vertices of a mesh that can be turned, at most.
-const TURNED_VERTICES: usize = 20_000;
 /// Pieces of edges in a view that can be turned, at most.
 const TURNED_EDGES: usize = 60_000;
 /// Meshes of more edges have theirs drawn finer, so that the surface stays visible.
-const MANY_EDGES: usize = 20_000;
-/// Radius of a knot in pixels of a picture of 1,000 pixels.
-const KNOT_RADIUS: f64 = 4.0;
+const FEW_EDGES: f64 = 3_000.0;
+/// Thinnest and thickest edge in pixels of a picture of 1,000 pixels.
+const EDGE_WIDTHS: [f64; 2] = [0.6, 2.0];
+/// Smallest and largest radius of a knot in pixels of a picture of 1,000 pixels.
+const KNOT_RADII: [f64; 2] = [2.5, 7.0];
+/// Side of a picture over the distance of its knots, about: so many share it.
+const KNOT_SHARE: f64 = 130.0;
 /// Colour of edges on a mesh.
 const EDGE: Rgb = Rgb::new(92, 98, 108);
 /// Pixels of the corner per pixel of a magnified part.
@@ -56,15 +58,16 @@ pub(super) fn draw(
     let fitted = fitted_input(source);
     let stage = stage(panel, source, scale, &percent, &fitted);
     let image = still(&stage, panel, options.pixels).map_err(|e| e.to_string())?;
-    let payload = (options.views == Views::Turnable).then(|| turnable(&stage, options.pixels));
+    let payload =
+        (options.views == Views::Turnable).then(|| turnable(&stage, source, options.pixels));
     Ok(Picture { image, payload })
 }
 
 /// Returns the input mesh with its vertices moved to the spline.
 fn fitted_input(source: &Source) -> TriangleMesh {
-    let count = source.input.vertex_count();
+    let count = source.input().vertex_count();
     let positions = source.spline.positions()[..count].to_vec();
-    source.input.with_positions(positions)
+    source.input().with_positions(positions)
 }
 
 fn stage<'a>(
@@ -75,7 +78,7 @@ fn stage<'a>(
     fitted: &'a TriangleMesh,
 ) -> Stage<'a> {
     let mesh = match panel.show {
-        Show::Input | Show::Knots => &source.input,
+        Show::Input | Show::Knots => source.input(),
         Show::Spline => &source.spline,
         Show::Error => fitted,
     };
@@ -98,16 +101,19 @@ fn stage<'a>(
         Edges::Domain if is_image => source.domain_edges(),
         Edges::Domain => edges(mesh.faces()),
     };
-    let few = edges.len() <= MANY_EDGES || is_image;
+    // The images of edges come in pieces.
+    let pieces = source.pieces_per_edge();
+    let count = edges.len() as f64 / if is_image { pieces } else { 1.0 };
+    let [thinnest, thickest] = EDGE_WIDTHS;
     Stage {
         mesh,
         paint,
         colours,
         edges,
         edge_colour: if is_image { Rgb::RED } else { EDGE },
-        edge_width: if few { 2.0 } else { 0.7 },
+        edge_width: (thickest * (FEW_EDGES / count).sqrt()).clamp(thinnest, thickest),
         // A coarse mesh is shown as the facets that it is.
-        shading: if !is_image && few && panel.edges == Edges::Domain {
+        shading: if !is_image && count <= FEW_EDGES && panel.edges == Edges::Domain {
             Shading::Flat
         } else {
             Shading::Smooth
@@ -117,7 +123,7 @@ fn stage<'a>(
             Show::Input | Show::Spline | Show::Error => &[],
         },
         // All pictures of a row are seen by the same camera.
-        camera: Camera::framing(source.input.positions(), &view(panel, source)),
+        camera: Camera::framing(source.input().positions(), &view(panel, source)),
     }
 }
 
@@ -135,6 +141,12 @@ fn view(panel: &Panel, source: &Source) -> View {
     }
 }
 
+/// Returns the radius of so many knots in pixels of a picture of 1,000 pixels.
+fn knot_radius(count: usize) -> f64 {
+    let [smallest, largest] = KNOT_RADII;
+    (KNOT_SHARE / (count.max(1) as f64).sqrt()).clamp(smallest, largest)
+}
+
 fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, PictureError> {
     let per_thousand = pixels as f64 / 1000.0;
     let mut scene = Scene::new(stage.camera);
@@ -149,7 +161,9 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
     }
     if !stage.knots.is_empty() {
         let spheres = Spheres::new(stage.knots)
-            .radius(Radius::Pixels(KNOT_RADIUS * per_thousand))
+            .radius(Radius::Pixels(
+                knot_radius(stage.knots.len()) * per_thousand,
+            ))
             .colour(Rgb::RED);
         scene.add(spheres);
     }
@@ -159,7 +173,7 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
         ..Drawing::default()
     };
     let image = scene.draw(&drawing)?;
-    let Some(Part { at, size }) = panel.callout else {
+    let Some(Part { at, size, corner }) = panel.callout else {
         return Ok(image);
     };
     let place = |at: f64| ((at - size / 2.0).max(0.0) * pixels as f64) as usize;
@@ -171,34 +185,47 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
         height: side,
     });
     callout.magnification = MAGNIFICATION;
+    callout.corner = match corner {
+        PartCorner::TopLeft => Corner::TopLeft,
+        PartCorner::TopRight => Corner::TopRight,
+        PartCorner::BottomLeft => Corner::BottomLeft,
+        PartCorner::BottomRight => Corner::BottomRight,
+    };
     let detail = Some(callout.detail());
     let inset = scene.draw(&Drawing { detail, ..drawing })?;
     callout.place(&image, &inset)
 }
 
-/// Returns the mesh of a panel as text for the page, decimated where it is large.
-fn turnable(stage: &Stage<'_>, pixels: usize) -> String {
-    let small = stage.mesh.vertex_count() <= TURNED_VERTICES;
-    let decimated = if small {
-        None
-    } else {
-        decimate(stage.mesh, TURNED_VERTICES).ok()
+/// Returns the mesh of a panel as text for the page, on the lighter faces of its domain where it is
+/// large.
+fn turnable(stage: &Stage<'_>, source: &Source, pixels: usize) -> String {
+    let own = stage.mesh.positions();
+    let light = match source.domain.light() {
+        Some(light) if own.len() == source.input().vertex_count() => Some(light),
+        _ => None,
     };
-    let (mesh, colours) = match &decimated {
-        Some(decimated) => {
-            let origins = decimated.vertex_origin.iter();
-            let colours = origins.filter_map(|&v| stage.colours.get(v as usize).copied());
-            (&decimated.mesh, colours.collect())
+    let (faces, chosen, colours): (_, Vec<Point3<f64>>, Vec<Rgb>) = match light {
+        Some(Decimated {
+            mesh,
+            vertex_origin,
+        }) => {
+            let at = |&v: &u32| own[v as usize];
+            let colour = |&v: &u32| stage.colours.get(v as usize).copied();
+            let colours = vertex_origin.iter().filter_map(colour).collect();
+            (
+                mesh.faces(),
+                vertex_origin.iter().map(at).collect(),
+                colours,
+            )
         }
-        None => (stage.mesh, stage.colours.clone()),
+        None => (stage.mesh.faces(), own.to_vec(), stage.colours.clone()),
     };
     let array = |p: &Point3<f64>| [p.x, p.y, p.z];
-    let positions: Vec<[f64; 3]> = mesh.positions().iter().map(array).collect();
+    let positions: Vec<[f64; 3]> = chosen.iter().map(array).collect();
     let colours: Vec<[u8; 3]> = colours.into_iter().map(Rgb::channels).collect();
-    let all = stage.mesh.positions();
     let segments: Vec<[[f64; 3]; 2]> = if stage.edges.len() <= TURNED_EDGES {
         let ends = stage.edges.iter();
-        ends.map(|edge| edge.map(|v| array(&all[v as usize])))
+        ends.map(|edge| edge.map(|v| array(&own[v as usize])))
             .collect()
     } else {
         Vec::new()
@@ -209,7 +236,7 @@ fn turnable(stage: &Stage<'_>, pixels: usize) -> String {
     let pixel = 2.0 * distance * (camera.field_of_view() / 2.0).tan() / pixels as f64;
     surface_payload::encode(&SurfaceView {
         positions: &positions,
-        triangles: mesh.faces(),
+        triangles: faces,
         colours: &colours,
         lines: Lines {
             segments: &segments,
@@ -219,7 +246,7 @@ fn turnable(stage: &Stage<'_>, pixels: usize) -> String {
         points: Points {
             positions: &knots,
             colour: Rgb::RED.channels(),
-            radius: KNOT_RADIUS * pixel * pixels as f64 / 1000.0,
+            radius: knot_radius(knots.len()) * pixel * pixels as f64 / 1000.0,
         },
         camera: surface_payload::Camera {
             eye: array(&camera.eye()),

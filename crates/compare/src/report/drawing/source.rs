@@ -1,21 +1,67 @@
 //! What the pictures of a row are drawn from.
 
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, OnceLock};
+
 use msplines_common::Point3;
-use msplines_common::mesh::{TriangleMesh, VertexAttribute, edge_pieces};
+use msplines_common::mesh::{Decimated, TriangleMesh, VertexAttribute, decimate, edge_pieces};
 use msplines_io::read_points;
 use msplines_picture::Rgb;
 
 use crate::campaign::{RowReport, Sources};
-use crate::case::Data;
+use crate::case::{Data, Input};
 use crate::clock::PhaseClock;
 use crate::experiment::{RowData, ViewHint};
-use crate::input::{FitData, fit_data, load, read_surface};
+use crate::input::{FitData, LoadedInput, fit_data, load, read_surface};
 use crate::output::{ROW_KNOTS, ROW_SURFACE};
+
+/// Larger meshes get lighter ones to turn.
+const LIGHT_ENOUGH: usize = 24_000;
+/// Vertices of those.
+const LIGHT_VERTICES: usize = 12_000;
+
+/// Inputs that were loaded, each once.
+#[derive(Default)]
+pub(super) struct Domains {
+    loaded: Mutex<BTreeMap<String, Arc<OnceLock<Result<Arc<Domain>, String>>>>>,
+}
+
+/// An input, and a lighter mesh of it.
+pub(super) struct Domain {
+    loaded: LoadedInput,
+    light: OnceLock<Option<Decimated>>,
+}
+
+impl Domains {
+    fn load(&self, input: &Input) -> Result<Arc<Domain>, String> {
+        let key = format!("{input:?}");
+        let mut loaded = self.loaded.lock().unwrap_or_else(|e| e.into_inner());
+        let cell = Arc::clone(loaded.entry(key).or_default());
+        drop(loaded);
+        let load_now = || {
+            let mut clock = PhaseClock::start(std::time::Instant::now());
+            let loaded = load(input, &mut clock).map_err(|e| e.to_string())?;
+            let light = OnceLock::new();
+            Ok(Arc::new(Domain { loaded, light }))
+        };
+        cell.get_or_init(load_now).clone()
+    }
+}
+
+impl Domain {
+    /// Returns a lighter mesh of a large input.
+    pub(super) fn light(&self) -> Option<&Decimated> {
+        let mesh = &self.loaded.mesh;
+        let decimated =
+            || (mesh.vertex_count() > LIGHT_ENOUGH).then(|| decimate(mesh, LIGHT_VERTICES).ok())?;
+        self.light.get_or_init(decimated).as_ref()
+    }
+}
 
 /// The input, the spline, and what lies between them.
 pub(super) struct Source {
-    /// The domain mesh.
-    pub(super) input: TriangleMesh,
+    /// The domain.
+    pub(super) domain: Arc<Domain>,
     /// The spline where it was evaluated; the domain where the data are colours.
     pub(super) spline: TriangleMesh,
     /// Colours of the data and of the spline, where the data are colours.
@@ -32,17 +78,17 @@ pub(super) struct Source {
 
 impl Source {
     /// Loads the files of a row that ran, or says why they cannot be used.
-    pub(super) fn load(report: &RowReport) -> Result<Self, String> {
+    pub(super) fn load(report: &RowReport, domains: &Domains) -> Result<Self, String> {
         let missing = || "its files are missing; run the row again with --fresh".to_owned();
         let sources = report.sources.as_ref().ok_or_else(missing)?;
         let Sources { input, files, view } = sources;
-        let mut clock = PhaseClock::start(std::time::Instant::now());
-        let input = load(input, &mut clock).map_err(|e| e.to_string())?;
+        let domain = domains.load(input)?;
+        let input = &domain.loaded;
         let data = match report.row.data {
             RowData::Positions => Data::Positions,
             RowData::ColourPattern => Data::ColourPattern,
         };
-        let data = fit_data(&data, &input).map_err(|e| e.to_string())?;
+        let data = fit_data(&data, input).map_err(|e| e.to_string())?;
         let (spline, attributes) =
             read_surface(&files.join(ROW_SURFACE)).map_err(|e| e.to_string())?;
         if spline.vertex_count() < input.mesh.vertex_count() {
@@ -54,12 +100,22 @@ impl Source {
             errors: errors(&data, &values),
             colours: (report.row.data == RowData::ColourPattern)
                 .then(|| [colours(&data.values), colours(&values)]),
-            input: input.mesh,
             spline,
             knots,
             rounds: report.row.subdivide,
             view: view.unwrap_or_default(),
+            domain,
         })
+    }
+
+    /// Returns the domain mesh.
+    pub(super) fn input(&self) -> &TriangleMesh {
+        &self.domain.loaded.mesh
+    }
+
+    /// Returns how many pieces of an edge of the domain lie on the spline.
+    pub(super) fn pieces_per_edge(&self) -> f64 {
+        f64::from(self.rounds).exp2()
     }
 
     /// Returns the error below which the share `share` of the vertices lies.
@@ -75,7 +131,7 @@ impl Source {
 
     /// Returns the pieces of the edges of the domain on the spline, as pairs of its vertices.
     pub(super) fn domain_edges(&self) -> Vec<[u32; 2]> {
-        edge_pieces(self.input.topology(), self.spline.faces(), self.rounds)
+        edge_pieces(self.input().topology(), self.spline.faces(), self.rounds)
     }
 }
 
