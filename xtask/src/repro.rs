@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use msplines_compare::campaign::{Campaign, Report, Reuse};
 use msplines_compare::display::{Display, Verbosity};
+use msplines_compare::report::drawing::{DrawingOptions, Views, draw};
 use msplines_compare::report::viewer::{Viewer, bundle};
 use msplines_compare::report::{self, PageOptions};
 use msplines_compare::row_process::{RowProgram, answer};
@@ -137,13 +138,32 @@ fn is_complete(report: &Report) -> bool {
     rows.all(|row| row.result.record().is_some())
 }
 
+/// The figure that the README shows; drawn from generated surfaces, as all that is committed.
+const SHOWN: &str = "hou2017-generated-surfaces.png";
+/// Side of its pictures in pixels.
+const SHOWN_PICTURE: usize = 360;
+
 fn write_docs(report: &Report, root: &Path) -> Result<Vec<PathBuf>, String> {
     let mut written = Vec::new();
+    let mut put = |path: PathBuf, bytes: &[u8]| {
+        report::replace(&path, bytes).map_err(|e| format!("{}: {e}", path.display()))?;
+        written.push(path);
+        Ok::<(), String>(())
+    };
+    let options = DrawingOptions {
+        pixels: SHOWN_PICTURE,
+        views: Views::Still,
+    };
+    let mut generated = report.clone();
+    generated.items.retain(|item| item.item == "generated");
+    for (name, png) in draw(&generated, options).sheets(&generated) {
+        if name == SHOWN {
+            put(root.join("docs/pictures").join(name), &png)?;
+        }
+    }
     for paper in report::papers(report) {
         let path = root.join("docs/results").join(format!("{paper}.md"));
-        report::replace(&path, report::markdown(report, &paper).as_bytes())
-            .map_err(|e| format!("{}: {e}", path.display()))?;
-        written.push(path);
+        put(path, report::markdown(report, &paper).as_bytes())?;
     }
     Ok(written)
 }

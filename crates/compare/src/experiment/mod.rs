@@ -173,6 +173,17 @@ impl Experiment {
         found
     }
 
+    /// Returns where an item stands in its paper: tables first, then figures by their numbers.
+    fn place(&self) -> (usize, u32, String) {
+        let kinds = ["table", "figure"];
+        let kind = kinds.iter().position(|kind| self.item.starts_with(kind));
+        let digits: String = self.item.chars().filter(char::is_ascii_digit).collect();
+        match kind {
+            Some(kind) => (kind, digits.parse().unwrap_or(u32::MAX), self.item.clone()),
+            None => (kinds.len(), u32::MAX, self.item.clone()),
+        }
+    }
+
     fn has_row(&self, id: &str) -> bool {
         self.rows.iter().any(|row| row.id == id)
     }
@@ -258,7 +269,7 @@ impl PaperFacts {
     }
 }
 
-/// Returns the experiments of a folder `data/experiments`, sorted by paper and item, restricted
+/// Returns the experiments of a folder `data/experiments`, by paper and place in it, restricted
 /// to `paper` and `item` where given.
 ///
 /// # Errors
@@ -277,6 +288,7 @@ pub fn experiments(
             }
         }
     }
+    all.sort_by_cached_key(|e| (e.paper == PaperFacts::ACROSS, e.paper.clone(), e.place()));
     let name = |e: &Experiment| format!("{} {}", e.paper, e.item);
     let available = all.iter().map(name).collect::<Vec<_>>().join(", ");
     all.retain(|e| paper.is_none_or(|p| p == e.paper) && item.is_none_or(|i| i == e.item));

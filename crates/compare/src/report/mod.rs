@@ -181,8 +181,8 @@ pub struct PageOptions<'a> {
     pub viewer: &'a viewer::Viewer,
 }
 
-/// Writes `index.html`, `report.json`, `report.csv` and one `PAPER.md` per paper into `folder`, and
-/// returns their paths.
+/// Writes `index.html`, `report.json`, `report.csv`, one `PAPER.md` per paper and one
+/// `pictures/PAPER-ITEM-FIGURE.png` per figure into `folder`, and returns their paths.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -202,7 +202,13 @@ pub fn write(
         written.push(path);
         Ok::<(), CampaignError>(())
     };
-    put("index.html".to_owned(), page(report, options))?;
+    let drawings = drawing::draw(report, options.drawing());
+    for (name, png) in drawings.sheets(report) {
+        put(format!("{PICTURES}/{name}"), Ok(png))?;
+    }
+    let page = html::page(report, &drawings, options.viewer, options.experiments);
+    let page = page.map(String::into_bytes).map_err(std::io::Error::other);
+    put("index.html".to_owned(), page)?;
     let json = serde_json::to_vec_pretty(report).map_err(std::io::Error::from);
     put("report.json".to_owned(), json)?;
     put("report.csv".to_owned(), csv(report))?;
@@ -215,15 +221,19 @@ pub fn write(
     Ok(written)
 }
 
-fn page(report: &Report, options: &PageOptions<'_>) -> std::io::Result<Vec<u8>> {
-    let views = match options.viewer {
-        viewer::Viewer::Script(_) => drawing::Views::Turnable,
-        viewer::Viewer::Absent(_) => drawing::Views::Still,
-    };
-    let pixels = options.pixels;
-    let drawings = drawing::draw(report, drawing::DrawingOptions { pixels, views });
-    let page = html::page(report, &drawings, options.viewer, options.experiments);
-    page.map(String::into_bytes).map_err(std::io::Error::other)
+/// Folder of the figures as pictures.
+pub const PICTURES: &str = "pictures";
+
+impl PageOptions<'_> {
+    fn drawing(&self) -> drawing::DrawingOptions {
+        drawing::DrawingOptions {
+            pixels: self.pixels,
+            views: match self.viewer {
+                viewer::Viewer::Script(_) => drawing::Views::Turnable,
+                viewer::Viewer::Absent(_) => drawing::Views::Still,
+            },
+        }
+    }
 }
 
 /// Returns the papers of a report, each once.

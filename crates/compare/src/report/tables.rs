@@ -16,6 +16,12 @@ pub struct Cell {
 }
 
 impl Cell {
+    /// Returns whether the cell says anything.
+    #[must_use]
+    pub fn says_something(&self) -> bool {
+        self.text != NONE
+    }
+
     fn text(text: impl Into<String>) -> Self {
         Self {
             text: text.into(),
@@ -186,7 +192,10 @@ pub fn cost_table(item: &ItemReport, times: Times) -> Table {
         Times::SideBySide => "rows ran side by side: not comparable",
     };
     Table {
-        title: format!("Times ({remark}) and memory"),
+        title: format!(
+            "Times ({remark}) and memory; {:.0} s for all rows",
+            item.seconds
+        ),
         header: header.into_iter().map(str::to_owned).collect(),
         rows: done.map(|report| cost_cells(report, evaluates)).collect(),
     }

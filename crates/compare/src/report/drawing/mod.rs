@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use msplines_picture::{ColourBar, ColourMap, ColourScale, Image, Rgb};
+use msplines_picture::{ColourBar, ColourMap, ColourScale, Grid, Image, Rgb};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -57,6 +57,9 @@ struct DrawnFigure {
     columns: usize,
     panels: Vec<DrawnPanel>,
     bar: Option<Bar>,
+    /// The whole figure as one picture, for other documents.
+    #[serde(skip)]
+    sheet: Option<Image>,
 }
 
 /// A picture of a row, or why there is none.
@@ -89,6 +92,23 @@ struct DrawnPlot {
     picture: String,
 }
 
+impl Drawings {
+    /// Returns every figure as one picture with its labels, named `PAPER-ITEM-FIGURE.png`.
+    #[must_use]
+    pub fn sheets(&self, report: &Report) -> Vec<(String, Vec<u8>)> {
+        let mut sheets = Vec::new();
+        for (item, drawn) in report.items.iter().zip(&self.items) {
+            for figure in &drawn.figures {
+                if let Some(sheet) = &figure.sheet {
+                    let name = format!("{}-{}-{}.png", item.paper, item.item, figure.id);
+                    sheets.push((name, sheet.to_png()));
+                }
+            }
+        }
+        sheets
+    }
+}
+
 impl DrawnItem {
     pub(super) fn is_empty(&self) -> bool {
         self.figures.is_empty() && self.plots.is_empty()
@@ -97,6 +117,8 @@ impl DrawnItem {
 
 /// Share of the vertices whose errors the colour scale of a figure spans.
 const SPANNED: f64 = 0.98;
+/// Size of the labels of a figure as one picture, over the side of its panels.
+const SHEET_TEXT: f64 = 0.045;
 /// What stands above the colour scale.
 const BAR_LABEL: &str = "% of diagonal";
 
@@ -151,6 +173,7 @@ fn draw_figure(
     let top = if has_errors { highest } else { 1.0 };
     let scale = ColourScale::linear(ColourMap::ColdWarm, [0.0, top]);
     let panels = figure.panels.par_iter().map(|panel| {
+        let mut image = None;
         let mut drawn = DrawnPanel {
             label: label(item, panel),
             ..DrawnPanel::default()
@@ -168,19 +191,46 @@ fn draw_figure(
                 drawn.picture = Some(png_address(&picture.image));
                 drawn.payload = picture.payload;
                 drawn.measure = measure(item, panel);
+                image = Some(picture.image);
             }
             Err(why) => drawn.absent = why,
         }
-        drawn
+        (drawn, image)
     });
+    let (panels, images): (Vec<DrawnPanel>, Vec<Option<Image>>) = panels.unzip();
+    let columns = figure.columns.clamp(1, 6);
+    let sheet = sheet(&panels, &images, columns);
     DrawnFigure {
         id: figure.id.clone(),
         caption: one_paragraph(&figure.caption),
         look_for: one_paragraph(&figure.look_for),
-        columns: figure.columns.clamp(1, 6),
-        panels: panels.collect(),
+        columns,
+        panels,
         bar: if has_errors { bar(scale) } else { None },
+        sheet: sheet.map(|sheet| {
+            let beside = ColourBar::new(scale, BAR_LABEL).beside(&sheet).ok();
+            beside.filter(|_| has_errors).unwrap_or(sheet)
+        }),
     }
+}
+
+/// Returns the panels that could be drawn, side by side.
+fn sheet(panels: &[DrawnPanel], images: &[Option<Image>], columns: usize) -> Option<Image> {
+    let labelled = panels.iter().zip(images);
+    let panels: Vec<msplines_picture::Panel<'_>> = labelled
+        .filter_map(|(panel, image)| {
+            let (image, label) = (image.as_ref()?, panel.label.as_str());
+            Some(msplines_picture::Panel { image, label })
+        })
+        .collect();
+    let columns = columns.min(panels.len());
+    let side = panels.iter().map(|panel| panel.image.width()).max()?;
+    let grid = Grid {
+        columns,
+        text_size: (SHEET_TEXT * side as f64).max(6.0),
+        ..Grid::default()
+    };
+    grid.compose(&panels).ok()
 }
 
 fn source_of(report: &RowReport, domains: &Domains) -> Result<Source, String> {

@@ -21,7 +21,6 @@ pub(super) struct Page<'a> {
     cpu: &'a str,
     cores: usize,
     system: &'a str,
-    minutes: String,
     side_by_side: bool,
     failures: Vec<Remark>,
     differences: Vec<Remark>,
@@ -40,14 +39,19 @@ struct Counts {
     differ: usize,
 }
 
-/// Something said about a row.
+/// Something said about rows that have the same analysis.
 #[derive(Serialize)]
 struct Remark {
+    rows: Vec<RemarkedRow>,
+    why: String,
+}
+
+#[derive(Serialize)]
+struct RemarkedRow {
     anchor: String,
     place: String,
     row: String,
     what: String,
-    why: String,
 }
 
 /// Rows that did not run for the same reason.
@@ -71,7 +75,6 @@ struct Item<'a> {
     name: &'a str,
     title: &'a str,
     notes: String,
-    minutes: String,
     table: Grid,
     costs: Option<Grid>,
     remarks: Vec<String>,
@@ -135,7 +138,6 @@ pub(super) fn page<'a>(
         cpu: &report.machine.cpu,
         cores: report.machine.cores,
         system: &report.machine.system,
-        minutes: duration(report.seconds),
         side_by_side: report.times == Times::SideBySide,
         failures: remarks(report, |row| row.failure()),
         differences: remarks(report, |row| {
@@ -149,17 +151,23 @@ pub(super) fn page<'a>(
 }
 
 fn remarks(report: &Report, say: impl Fn(&RowReport) -> Option<String>) -> Vec<Remark> {
-    let mut remarks = Vec::new();
+    let mut remarks: Vec<Remark> = Vec::new();
     for item in &report.items {
         for row in &item.rows {
-            if let Some(what) = say(row) {
-                remarks.push(Remark {
-                    anchor: row_anchor(item, row),
-                    place: format!("{} {}", item.paper, item.item),
-                    row: row.row.label.clone(),
-                    what,
-                    why: tables::one_line(&row.row.analysis),
-                });
+            let Some(what) = say(row) else { continue };
+            let remarked = RemarkedRow {
+                anchor: row_anchor(item, row),
+                place: format!("{} {}", item.paper, item.item),
+                row: row.row.label.clone(),
+                what,
+            };
+            let why = tables::one_line(&row.row.analysis);
+            match remarks.iter_mut().find(|remark| remark.why == why) {
+                Some(remark) => remark.rows.push(remarked),
+                None => remarks.push(Remark {
+                    rows: vec![remarked],
+                    why,
+                }),
             }
         }
     }
@@ -202,8 +210,6 @@ fn papers<'a>(report: &'a Report, drawings: &'a Drawings, experiments: &Path) ->
             paper.items.push(item_context(report, item, drawn));
         }
     }
-    // What compares all methods stands last.
-    papers.sort_by_key(|paper| paper.key == PaperFacts::ACROSS);
     papers
 }
 
@@ -225,7 +231,6 @@ fn item_context<'a>(report: &Report, item: &'a ItemReport, drawn: &'a DrawnItem)
         name: &item.item,
         title: &item.title,
         notes: tables::one_line(&item.notes),
-        minutes: duration(item.seconds),
         table: errors,
         costs: has_costs.then_some(costs),
         remarks: tables::remarks(item),
@@ -243,9 +248,14 @@ fn grid(anchor: &str, kind: &str, table: &Table, mut lines: Vec<Line>) -> Grid {
         analysis: String::new(),
         source: None,
     });
+    // A column without anything in it only makes the table wider.
+    let columns = 0..table.header.len();
+    let is_shown = |&column: &usize| table.rows.iter().any(|row| row[column].says_something());
+    let columns: Vec<usize> = columns.filter(is_shown).collect();
     for (line, cells) in lines.iter_mut().zip(&table.rows) {
-        line.cells = cells
+        line.cells = columns
             .iter()
+            .map(|&column| &cells[column])
             .map(|cell| GridCell {
                 text: cell.text.clone(),
                 value: cell.value.filter(|value| value.is_finite()),
@@ -319,12 +329,4 @@ fn source(row: &RowReport) -> Vec<(&'static str, String)> {
 fn text_of(value: &impl Serialize) -> String {
     let value = serde_json::to_value(value).unwrap_or_default();
     value.as_str().unwrap_or_default().to_owned()
-}
-
-fn duration(seconds: f64) -> String {
-    if seconds < 90.0 {
-        format!("{seconds:.0} s")
-    } else {
-        format!("{:.1} min", seconds / 60.0)
-    }
 }
