@@ -62,7 +62,12 @@ const columnOf = (title) =>
 
 const isSorted = (bodies, sign) => bodies.every((values) => values.every((v, i) => !i || sign * (v - values[i - 1]) >= 0));
 
+// Tables behind a summary are opened first, as a reader would.
+const openTables = (page) =>
+  page.locator("details:has(table)").evaluateAll((list) => list.forEach((details) => (details.open = true)));
+
 async function everyTableSorts(page) {
+  await openTables(page);
   const tables = page.locator("table.sortable");
   for (let t = 0; t < (await tables.count()); t++) {
     const titles = tables.nth(t).locator("thead tr:last-child th:has(button)");
@@ -88,6 +93,7 @@ async function everyTableSorts(page) {
 }
 
 async function filtersHideRows(page) {
+  await openTables(page);
   const fields = page.locator("input.filter[data-table]");
   for (let f = 0; f < (await fields.count()); f++) {
     const field = fields.nth(f);

@@ -168,8 +168,8 @@ impl Row {
                 self.method.name()
             )),
             (None, Some(_)) => None,
-            (Some(text), None) if takes_places => text.parse::<Knots>().err().map(refused),
-            (Some(text), None) => text.parse::<Amount>().err().map(refused),
+            (Some(text), None) if takes_places => text.parse::<Knots>().err().map(|e| refused(&e)),
+            (Some(text), None) => text.parse::<Amount>().err().map(|e| refused(&e)),
         }
     }
 
@@ -213,6 +213,6 @@ impl Row {
     }
 }
 
-fn refused(error: AmountError) -> String {
+fn refused(error: &AmountError) -> String {
     format!("knots: {error}")
 }

@@ -20,10 +20,13 @@ const LIGHT_ENOUGH: usize = 24_000;
 /// Vertices of those.
 const LIGHT_VERTICES: usize = 12_000;
 
+/// A domain that is loaded by whoever asks first.
+type Loading = Arc<OnceLock<Result<Arc<Domain>, String>>>;
+
 /// Inputs that were loaded, each once.
 #[derive(Default)]
 pub(super) struct Domains {
-    loaded: Mutex<BTreeMap<String, Arc<OnceLock<Result<Arc<Domain>, String>>>>>,
+    loading: Mutex<BTreeMap<String, Loading>>,
 }
 
 /// An input, and a lighter mesh of it.
@@ -35,9 +38,9 @@ pub(super) struct Domain {
 impl Domains {
     fn load(&self, input: &Input) -> Result<Arc<Domain>, String> {
         let key = format!("{input:?}");
-        let mut loaded = self.loaded.lock().unwrap_or_else(|e| e.into_inner());
-        let cell = Arc::clone(loaded.entry(key).or_default());
-        drop(loaded);
+        let mut loading = self.loading.lock().unwrap_or_else(|e| e.into_inner());
+        let cell = Arc::clone(loading.entry(key).or_default());
+        drop(loading);
         let load_now = || {
             let mut clock = PhaseClock::start(std::time::Instant::now());
             let loaded = load(input, &mut clock).map_err(|e| e.to_string())?;
