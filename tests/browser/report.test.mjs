@@ -145,6 +145,8 @@ async function surfacesTurn(page) {
   await page.mouse.up();
   const moved = async (name) => (await difference(page, before, await canvas.screenshot(shot(name)))).share;
   check(await eventually(page, async () => (await moved("surface-after")) > 0.01), "dragging does not turn the surface");
+  const shares = [await covered(page, before), await covered(page, await canvas.screenshot())];
+  check(shares[1].share > shares[0].share / 2, `turned, the surface covers ${percent(shares[1].share)} instead of ${percent(shares[0].share)}`);
   await canvas.dblclick();
   check(await eventually(page, async () => (await moved("surface-reset")) < 0.001), "a double click does not bring the first view back");
 
@@ -261,6 +263,14 @@ const colours = (page, png) =>
     const seen = new Set();
     for (let i = 0; i < data.length; i += 4) seen.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
     return { count: seen.size };
+  });
+
+// The share of pixels that are not background.
+const covered = (page, png) =>
+  pixels(page, [png], (data) => {
+    let shown = 0;
+    for (let i = 0; i < data.length; i += 4) if (Math.min(data[i], data[i + 1], data[i + 2]) < 250) shown++;
+    return { share: (4 * shown) / data.length };
   });
 
 // The share of pixels that differ by more than a fifth of the range in a channel.

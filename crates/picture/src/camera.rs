@@ -146,11 +146,12 @@ impl Camera {
         self.eye
     }
 
-    /// Returns a point in the middle of the picture, about as far away as what is looked at.
+    /// Returns the point in the middle of the picture that is as far away as `place`: what a view
+    /// of the same object turns around.
     #[must_use]
-    pub fn target(&self) -> Point3<f64> {
-        let tangent = self.tangents[0].min(self.tangents[1]);
-        self.eye + self.axes.row(2).transpose() * (self.radius / tangent)
+    pub fn target(&self, place: &Point3<f64>) -> Point3<f64> {
+        let forward = self.axes.row(2).transpose();
+        self.eye + forward * forward.dot(&(place - self.eye))
     }
 
     /// Returns the direction that is up in the picture, of length one.
@@ -274,6 +275,17 @@ mod tests {
         assert!((eye(FRAC_PI_2, 0.0, Axis::Y) - Vector3::x()).norm() < 1e-12);
         assert!((eye(0.0, 0.0, Axis::Z) - Vector3::x()).norm() < 1e-12);
         assert!((eye(1.0, FRAC_PI_2, Axis::Z) - Vector3::z()).norm() < 1e-12);
+    }
+
+    #[test]
+    fn the_target_is_in_the_middle_and_as_far_as_the_place() {
+        let box_corners = [Point3::new(-1.0, 2.0, 0.5), Point3::new(3.0, 3.0, 2.0)];
+        let camera = Camera::framing(&box_corners, &View::default());
+        let place = nalgebra::center(&box_corners[0], &box_corners[1]);
+        let (seen, target) = (camera.to_view(&place), camera.target(&place));
+        let middle = camera.to_view(&target);
+        assert!(middle.xy().norm() < 1e-12 && (middle.z - seen.z).abs() < 1e-12);
+        assert!(camera.up().dot(&(target - camera.eye())).abs() < 1e-12);
     }
 
     #[test]

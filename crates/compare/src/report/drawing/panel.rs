@@ -232,7 +232,9 @@ fn turnable(stage: &Stage<'_>, source: &Source, pixels: usize) -> String {
     };
     let knots: Vec<[f64; 3]> = stage.knots.iter().map(array).collect();
     let camera = stage.camera;
-    let distance = (camera.target() - camera.eye()).norm();
+    let [low, high] = source.input().bounding_box();
+    let target = camera.target(&(low + (high - low) * 0.5));
+    let distance = (target - camera.eye()).norm();
     let pixel = 2.0 * distance * (camera.field_of_view() / 2.0).tan() / pixels as f64;
     surface_payload::encode(&SurfaceView {
         positions: &positions,
@@ -250,7 +252,7 @@ fn turnable(stage: &Stage<'_>, source: &Source, pixels: usize) -> String {
         },
         camera: surface_payload::Camera {
             eye: array(&camera.eye()),
-            target: array(&camera.target()),
+            target: array(&target),
             up: camera.up().into(),
             field_of_view: camera.field_of_view(),
         },
