@@ -288,6 +288,23 @@ fn a_row_that_others_need_runs_with_them_and_its_failure_is_theirs() {
 }
 
 #[test]
+fn a_row_that_two_items_show_runs_once() {
+    let project = Project::new();
+    let again = EXPERIMENT.replace("item = \"i\"", "item = \"j\"");
+    std::fs::write(project.path("data/experiments/p/j.toml"), again).expect("written");
+    let fresh = Campaign {
+        reuse: Reuse::Nothing,
+        ..campaign(project.folder.path())
+    };
+    let report = run(&fresh);
+    assert_eq!(project.runs(), 3);
+    assert_eq!(
+        report.items[0].rows[0].result,
+        report.items[1].rows[0].result
+    );
+}
+
+#[test]
 fn stored_rows_of_another_build_are_taken_only_when_asked_for() {
     let project = Project::new();
     project.run();

@@ -4,6 +4,7 @@ mod plan;
 mod schedule;
 
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
@@ -257,6 +258,7 @@ impl Campaign {
             models: models_folder(self.models.as_deref(), &self.root),
             store,
             display,
+            ran: Mutex::default(),
         };
         let mut finished = schedule.run(&experiments)?.into_iter();
         let items = experiments

@@ -1,5 +1,6 @@
 //! Running rows: which first, which side by side, what is taken from the store, what is shown.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard};
@@ -23,6 +24,24 @@ pub(super) struct Schedule<'a> {
     pub(super) models: PathBuf,
     pub(super) store: RowStore,
     pub(super) display: &'a Display,
+    /// Keys of the rows that this campaign ran: an item may show a row of another one.
+    pub(super) ran: Mutex<BTreeSet<String>>,
+}
+
+/// When a stored row ran.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ran {
+    Now,
+    Before,
+}
+
+impl Ran {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Now => "the same as a row above",
+            Self::Before => "from a run before",
+        }
+    }
 }
 
 /// A row in its experiment, and the earlier rows that it needs, as indices.
@@ -135,8 +154,13 @@ impl Schedule<'_> {
             files,
             view: planned.view,
         });
-        if let Some(ended) = self.taken(stored, report) {
-            self.display.line(&format!("{label}: from a run before"));
+        let ran_now = if self.ran().contains(&key) {
+            Ran::Now
+        } else {
+            Ran::Before
+        };
+        if let Some(ended) = self.taken(stored, report, ran_now) {
+            self.display.line(&format!("{label}: {}", ran_now.text()));
             overall.passed_over();
             report.take(ended);
             return Ok(());
@@ -148,12 +172,17 @@ impl Schedule<'_> {
             return Ok(());
         }
         let ended = self.start(planned, report, &key, overall)?;
+        self.ran().insert(key);
         report.take(ended);
         Ok(())
     }
 
+    fn ran(&self) -> MutexGuard<'_, BTreeSet<String>> {
+        self.ran.lock().unwrap_or_else(|e| e.into_inner())
+    }
+
     /// Returns the stored row where it is to be taken.
-    fn taken(&self, stored: Stored, report: &RowReport) -> Option<EndedRow> {
+    fn taken(&self, stored: Stored, report: &RowReport, ran_now: Ran) -> Option<EndedRow> {
         let (ended, is_current) = match stored {
             Stored::Ended(ended) => (*ended, true),
             Stored::Stale(ended) => (*ended, false),
@@ -161,6 +190,7 @@ impl Schedule<'_> {
         };
         let has_result = matches!(ended.answer, RowAnswer::Record(_));
         let is_taken = match self.campaign.reuse {
+            _ if ran_now == Ran::Now => true,
             Reuse::Finished => is_current && has_result,
             Reuse::Nothing => false,
             Reuse::Everything => true,
