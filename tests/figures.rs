@@ -12,6 +12,11 @@ use msplines_compare::record::Record;
 use msplines_compare::run::run;
 use msplines_compare::verdict::Judgement;
 
+/// Interpolation solves nothing; thirty times what rounding was measured to do.
+const INTERPOLATED: f64 = 1e-12;
+/// Mean error of the spline of genus 8, of which 5 % are left for other kernels of the same solver.
+const GENUS_8: f64 = 1.4e-4;
+
 fn experiment(item: &str) -> Experiment {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/experiments/hou2017");
     Experiment::read(&data.join(format!("{item}.toml"))).expect("an experiment")
@@ -64,14 +69,14 @@ fn figure_4_has_biharmonic_splines_below_least_squares_meshes_at_equal_counts() 
 fn figure_5_passes_through_every_vertex_of_its_coarse_mesh() {
     let record = records("figure5", &["bumpy-sphere"]).remove(0);
     assert_eq!(record.dofs, 3 * record.input.vertices);
-    assert!(record.error.expect("an error").max < 1e-12);
+    assert!(record.error.expect("an error").max < INTERPOLATED);
 }
 
 #[test]
 fn figure_10_fits_a_surface_of_genus_8() {
     let record = records("figure10", &["genus-8"]).remove(0);
     assert_eq!(record.input.genus, Some(8));
-    assert!(mean(&record) < 1.4e-4);
+    assert!(mean(&record) < GENUS_8);
 }
 
 #[test]

@@ -331,3 +331,32 @@ fn facts(mesh: &TriangleMesh, file: String, sha256: String, kind: InputKind) -> 
         boundary_loops: facts.boundary_loops as u64,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use msplines_common::mesh::shapes;
+    use msplines_io::{Surface, write_surface};
+
+    use super::*;
+
+    #[test]
+    fn knots_are_the_nearest_vertices_each_once() {
+        let mesh = shapes::sphere(200);
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("points.ply");
+        let near = |vertex: usize| mesh.positions()[vertex] * 1.01;
+        let points = Surface {
+            positions: &[near(7), near(3), near(7)],
+            faces: &[],
+            attributes: &[],
+        };
+        write_surface(&path, &points).expect("written");
+        assert_eq!(nearest_vertices(&mesh, &path).expect("vertices"), [3, 7]);
+        let error = nearest_vertices(&mesh, &folder.path().join("none.ply"));
+        let text = error.expect_err("no such file").to_string();
+        assert!(
+            text.starts_with("--knots-from none.ply: cannot read"),
+            "{text}"
+        );
+    }
+}

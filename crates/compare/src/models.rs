@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use msplines_io::sha256_file;
 use serde::{Deserialize, Serialize};
 
-use crate::experiment::{ExperimentError, ViewHint};
+use crate::experiment::{ExperimentError, ViewHint, read_text};
 
 /// The schema of [`Manifest`].
 pub const MODELS_SCHEMA: &str = "msplines.models/1";
@@ -92,13 +92,8 @@ impl Manifest {
     /// # Errors
     /// A file that cannot be read or has other fields.
     pub fn read(path: &Path) -> Result<Self, ExperimentError> {
-        let name = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| ExperimentError::Unreadable {
-            path: name.clone(),
-            source,
-        })?;
-        toml::from_str(&text).map_err(|e| ExperimentError::Syntax {
-            path: name,
+        toml::from_str(&read_text(path)?).map_err(|e| ExperimentError::Syntax {
+            path: path.display().to_string(),
             message: e.to_string(),
         })
     }

@@ -86,6 +86,17 @@ impl RowStore {
         self.folder.join(key)
     }
 
+    /// Returns the folder for the files of a row that has not ended, without what a row that was
+    /// killed may have left there.
+    ///
+    /// # Errors
+    /// A folder that cannot be removed.
+    pub fn unfinished(&self, key: &str) -> std::io::Result<PathBuf> {
+        let folder = self.folder.join(format!("{key}.part"));
+        remove(std::fs::remove_dir_all(&folder))?;
+        Ok(folder)
+    }
+
     /// Returns what is stored under `key`, and sets a damaged file aside.
     ///
     /// # Errors
@@ -264,6 +275,16 @@ mod tests {
         assert_eq!(place.load("k"), Stored::Ended(Box::new(row())));
         assert!(place.store.files("k").join("surface.ply").is_file());
         assert_eq!(place.load("other"), Stored::Nothing);
+    }
+
+    #[test]
+    fn what_a_killed_row_left_does_not_stay() {
+        let place = place();
+        let folder = place.store.unfinished("k").expect("nothing there");
+        std::fs::create_dir_all(&folder).expect("made");
+        std::fs::write(folder.join("surface.ply"), "half").expect("written");
+        assert_eq!(place.store.unfinished("k").expect("removed"), folder);
+        assert!(!folder.exists());
     }
 
     #[test]

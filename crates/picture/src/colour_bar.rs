@@ -1,7 +1,7 @@
 //! A bar that says which number a colour stands for.
 
 use crate::colour_map::{ColourScale, Spacing};
-use crate::error::{PictureError, check_option};
+use crate::error::{PictureError, check_text_size};
 use crate::ticks::Ticks;
 use crate::{Image, Rect, Rgb, TextStyle, text_width};
 
@@ -38,12 +38,7 @@ impl<'a> ColourBar<'a> {
     pub fn beside(&self, image: &Image) -> Result<Image, PictureError> {
         self.scale.check()?;
         let size = self.text_size;
-        check_option(
-            "text size",
-            size,
-            |s| (6.0..=200.0).contains(&s),
-            "from 6 to 200 pixels",
-        )?;
+        check_text_size(size)?;
         let ticks = self.ticks(image.height() as f64);
         let title = ticks.title(self.label);
         let widest = ticks

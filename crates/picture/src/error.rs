@@ -93,6 +93,12 @@ pub enum PictureError {
     },
 }
 
+/// Checks the size of a text in pixels.
+pub(crate) fn check_text_size(size: f64) -> Result<(), PictureError> {
+    let is_legible = |s| (6.0..=200.0).contains(&s);
+    check_option("text size", size, is_legible, "from 6 to 200 pixels")
+}
+
 /// Returns an error unless `value` is finite and `holds` of it.
 pub(crate) fn check_option(
     name: &'static str,

@@ -1,6 +1,6 @@
 //! Pictures side by side, each with its label.
 
-use crate::error::{PictureError, check_option};
+use crate::error::{PictureError, check_option, check_text_size};
 use crate::{Anchor, Image, Rgb, TextStyle};
 
 /// A picture of a grid and what is written beside it.
@@ -62,12 +62,7 @@ impl Grid {
     pub fn compose(&self, panels: &[Panel<'_>]) -> Result<Image, PictureError> {
         let size = self.text_size;
         check_option("columns", self.columns as f64, |c| c >= 1.0, "at least 1")?;
-        check_option(
-            "text size",
-            size,
-            |s| (6.0..=200.0).contains(&s),
-            "from 6 to 200 pixels",
-        )?;
+        check_text_size(size)?;
         let across = panels.iter().map(|p| p.image.width()).max().unwrap_or(0);
         let down = panels.iter().map(|p| p.image.height()).max().unwrap_or(0);
         if panels.is_empty() {

@@ -212,14 +212,11 @@ impl Schedule<'_> {
     ) -> Result<EndedRow, CampaignError> {
         let campaign = self.campaign;
         let unwritable = |e| output_error(&campaign.out, e);
-        let part = tempfile::Builder::new()
-            .prefix("row-")
-            .tempdir_in(&campaign.out)
-            .map_err(unwritable)?;
+        let files = self.store.unfinished(key).map_err(unwritable)?;
         let request = RowRequest {
             case: planned.case.clone(),
             threads: self.threads(),
-            files: part.path().join("files"),
+            files,
         };
         let own = report.row.time_limit_seconds;
         let limit = campaign.time_limit.map_or(own, |limit| limit.min(own));

@@ -98,12 +98,7 @@ impl Experiment {
     /// # Errors
     /// A file that cannot be read, or whose fields are unknown or contradict each other.
     pub fn read(path: &Path) -> Result<Self, ExperimentError> {
-        let name = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| ExperimentError::Unreadable {
-            path: name.clone(),
-            source,
-        })?;
-        Self::parse(&text, &name)
+        Self::parse(&read_text(path)?, &path.display().to_string())
     }
 
     /// Reads and checks the text of an experiment file called `name`.
@@ -301,6 +296,14 @@ pub fn experiments(
         return Err(ExperimentError::Unknown { asked, available });
     }
     Ok(all)
+}
+
+/// Returns the text of a file.
+pub(crate) fn read_text(path: &Path) -> Result<String, ExperimentError> {
+    std::fs::read_to_string(path).map_err(|source| ExperimentError::Unreadable {
+        path: path.display().to_string(),
+        source,
+    })
 }
 
 fn entries(folder: &Path) -> Result<Vec<std::path::PathBuf>, ExperimentError> {

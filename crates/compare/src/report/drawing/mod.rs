@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::Unit;
+use super::tables::one_line;
 use crate::campaign::{ItemReport, Report, RowReport, RowResult};
 use crate::experiment::{Figure, Panel, PaperFacts, Show};
 use source::{Domains, Source};
@@ -90,6 +91,8 @@ struct DrawnPlot {
     caption: String,
     look_for: String,
     picture: String,
+    width: u32,
+    height: u32,
 }
 
 impl Drawings {
@@ -202,8 +205,8 @@ fn draw_figure(
     let sheet = sheet(&panels, &images, columns);
     DrawnFigure {
         id: figure.id.clone(),
-        caption: one_paragraph(&figure.caption),
-        look_for: one_paragraph(&figure.look_for),
+        caption: one_line(&figure.caption),
+        look_for: one_line(&figure.look_for),
         columns,
         panels,
         bar: if has_errors { bar(scale) } else { None },
@@ -282,8 +285,4 @@ fn png_address(image: &Image) -> String {
 
 fn svg_address(svg: &str) -> String {
     format!("data:image/svg+xml;base64,{}", STANDARD.encode(svg))
-}
-
-fn one_paragraph(text: &str) -> String {
-    super::tables::one_line(text)
 }

@@ -2,10 +2,14 @@
 
 use msplines_picture::plot::{self, Highlight, Look, Quantity, Series};
 
-use super::{DrawnPlot, one_paragraph, svg_address};
+use super::super::tables::one_line;
+use super::{DrawnPlot, svg_address};
 use crate::campaign::{ItemReport, RowReport};
 use crate::experiment::{Axis, MethodName, Plot};
 use crate::record::Record;
+
+/// Width and height of a plot in pixels.
+const SIZE: [u32; 2] = [720, 480];
 
 /// The points of one method, or of one row along its history.
 struct Line {
@@ -25,9 +29,11 @@ pub(super) fn plot(item: &ItemReport, plot: &Plot) -> Option<DrawnPlot> {
     let picture = draw([plot.x, plot.y], &lines, None)?;
     Some(DrawnPlot {
         id: plot.id.clone(),
-        caption: one_paragraph(&plot.caption),
-        look_for: one_paragraph(&plot.look_for),
+        caption: one_line(&plot.caption),
+        look_for: one_line(&plot.look_for),
         picture,
+        width: SIZE[0],
+        height: SIZE[1],
     })
 }
 
@@ -51,6 +57,8 @@ pub(super) fn pareto(item: &ItemReport) -> Vec<DrawnPlot> {
                 caption: format!("{name}: distance between the surfaces against {what}."),
                 look_for: "Lower and further left is better; the broad line is the Pareto front, which no result lies below and left of.".to_owned(),
                 picture,
+                width: SIZE[0],
+                height: SIZE[1],
             });
         }
     }
@@ -148,7 +156,7 @@ fn draw(axes: [Axis; 2], lines: &[Line], front: Option<&[[f64; 2]]>) -> Option<S
             name: "Pareto front",
             points,
         }),
-        size: [720, 480],
+        size: SIZE,
         ..plot::Plot::default()
     };
     plot.to_svg().ok().map(|svg| svg_address(&svg))
