@@ -34,6 +34,52 @@ pub enum FitError {
         /// The vertex.
         vertex: u32,
     },
+    /// A crease is no edge of the mesh.
+    #[error(
+        "crease {index} goes from vertex {from} to vertex {to}, which no edge of the mesh joins; name the two ends of an edge"
+    )]
+    NoSuchCrease {
+        /// Index into the given creases.
+        index: usize,
+        /// Vertex where it starts.
+        from: u32,
+        /// Vertex where it ends.
+        to: u32,
+    },
+    /// The angle beyond which edges are creases makes no sense.
+    #[error(
+        "edges sharper than {degrees} degrees cannot be found; give an angle between 0 and 180"
+    )]
+    CreaseAngle {
+        /// The angle.
+        degrees: f64,
+    },
+    /// There is not one weight for every vertex.
+    #[error("{found} weights were given for {vertices} vertices; give one for each")]
+    WeightCount {
+        /// Weights given.
+        found: usize,
+        /// Vertices of the mesh.
+        vertices: usize,
+    },
+    /// A weight is negative, NaN or infinite.
+    #[error("the weight of vertex {vertex} is {weight}; weights are finite and not negative")]
+    Weight {
+        /// The vertex.
+        vertex: usize,
+        /// Its weight.
+        weight: f64,
+    },
+    /// Fewer vertices have a weight than there are knots.
+    #[error(
+        "only {weighted} vertices have a positive weight, too few for {knots} knots; give more of them a weight or ask for fewer knots"
+    )]
+    TooFewWeights {
+        /// Vertices of positive weight.
+        weighted: usize,
+        /// Knots asked for.
+        knots: usize,
+    },
     /// The data does not fit the mesh.
     #[error(
         "{values} values were given for {vertices} vertices of dimension {dimension}; give {vertices} × {dimension} values"

@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use msplines_common::evaluate::VertexData;
-use msplines_common::linalg::Mat;
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::progress::{Observer, Outcome, Progress};
 use serde::{Deserialize, Serialize};
 
 use crate::knot_values::KnotValues;
 use crate::select::{Selected, probe_scale, select};
+use crate::target::{Centred, Target};
 use crate::{BiharmonicSpline, FitError, KnotChoice, Options, Space};
 
 /// Share by which the squared error of the final fit may exceed its minimum. The mean error is exact
@@ -45,7 +44,7 @@ pub struct Report {
     pub warnings: Vec<String>,
 }
 
-/// Fits a spline to data at the vertices.
+/// Fits a spline to data at the vertices, with or without weights.
 ///
 /// Any number of components is fitted at once with common knots. The cost is that of a few dozen
 /// sparse factorisations and solves: about 10 CPU seconds for 100,000 vertices.
@@ -58,44 +57,74 @@ pub struct Report {
 ///
 /// # Errors
 /// Knots or data that do not fit the mesh, or a mesh that is not connected or degenerate.
-pub fn fit(
+pub fn fit<'a>(
     mesh: &TriangleMesh,
-    data: VertexData<'_>,
+    target: impl Into<Target<'a>>,
     options: &Options,
     observer: &mut Observer<'_>,
 ) -> Result<Fit, FitError> {
-    let given = checked_knots(mesh.vertex_count(), &options.knots)?;
-    let (centred, mean) = checked_data(mesh, data)?;
-    let mut stopped = observer(&Progress::new("domain", 0, 1)).is_break();
-    let space = Space::build(Arc::new(mesh.clone()), options.laplacian)?;
-    if matches!(&given, Given::Knots(knots) if knots.len() == mesh.vertex_count()) {
-        let knots = (0..mesh.vertex_count() as u32).collect();
-        let coefficients = space.coefficients(&centred);
-        let spline = finish(space, knots, &coefficients, &centred, &mean);
+    let stopped = observer(&Progress::new("domain", 0, 1)).is_break();
+    let creases = options.creases.on(mesh)?;
+    checked_knots(mesh.vertex_count(), &options.knots)?;
+    let target = Centred::check(mesh.vertex_count(), &target.into())?;
+    let space = Space::with_creases(Arc::new(mesh.clone()), options.laplacian, creases)?;
+    fit_centred(&Arc::new(space), &target, options, stopped, observer)
+}
+
+/// Fits a spline in a space that is there already, to data with weights.
+///
+/// As [`fit`], but what depends on the mesh alone is shared with all other fits in this space. The
+/// Laplacian and the creases are those of the space, whatever `options` say.
+///
+/// # Reference
+/// [Hou2017] Alg. 2, Eq. (11), Eq. (13). Deviation: knots by backward elimination and exchange.
+///
+/// # Errors
+/// Knots, data or weights that do not fit the mesh.
+pub fn fit_in<'a>(
+    space: &Arc<Space>,
+    target: impl Into<Target<'a>>,
+    options: &Options,
+    observer: &mut Observer<'_>,
+) -> Result<Fit, FitError> {
+    let stopped = observer(&Progress::new("domain", 0, 1)).is_break();
+    let target = Centred::check(space.mesh().vertex_count(), &target.into())?;
+    fit_centred(space, &target, options, stopped, observer)
+}
+
+fn fit_centred(
+    space: &Arc<Space>,
+    target: &Centred,
+    options: &Options,
+    mut stopped: bool,
+    observer: &mut Observer<'_>,
+) -> Result<Fit, FitError> {
+    let vertices = space.mesh().vertex_count();
+    let given = checked_knots(vertices, &options.knots)?;
+    if given.count() == vertices {
+        let knots = (0..vertices as u32).collect();
         return Ok(Fit {
-            spline,
+            spline: BiharmonicSpline::of_vertex_values(space, knots, &target.data, &target.mean),
             report: Report::direct(),
+        });
+    }
+    if target.counted() < given.count() {
+        return Err(FitError::TooFewWeights {
+            weighted: target.counted(),
+            knots: given.count(),
         });
     }
     space.bilaplacian()?;
     stopped |= observer(&Progress::new("domain", 1, 1)).is_break();
     let selected = match given {
         Given::Knots(knots) => Selected::given(knots, stopped),
-        Given::Count(count) => select(&space, &centred, count, options, stopped, observer)?,
+        Given::Count(count) => select(space, target, count, options, stopped, observer)?,
     };
-    let Selected {
-        knots,
-        fitted,
-        outcome,
-        eliminations,
-        exchanges,
-    } = selected;
-    let system = KnotValues::factor(&space, knots)?;
+    let system = KnotValues::factor(space, selected.knots)?;
     let _ = observer(&Progress::new("fit", 0, 1));
-    let scale = probe_scale(&system, options.seed);
-    let start = fitted.as_ref().unwrap_or(&centred);
-    let (f, report) = system.least_squares(&centred, start, &scale, FIT_EXCESS, FIT_ITERATIONS);
-    let coefficients = system.coefficients(&f);
+    let scale = probe_scale(&system, target, options.seed);
+    let start = selected.fitted.as_ref().unwrap_or(&target.data);
+    let (f, report) = system.least_squares(target, start, &scale, FIT_EXCESS, FIT_ITERATIONS);
     let _ = observer(&Progress::new("fit", 1, 1));
     let mut warnings = Vec::new();
     if !report.converged {
@@ -104,21 +133,20 @@ pub fn fit(
             report.residual, report.iterations
         ));
     }
-    let outcome = match (outcome, report.converged) {
+    let outcome = match (selected.outcome, report.converged) {
         (Outcome::Stopped, _) => Outcome::Stopped,
         (_, false) => Outcome::MaxIterations,
         (other, true) => other,
     };
     let knots = system.knots().to_vec();
-    drop(system);
     Ok(Fit {
-        spline: finish(space, knots, &coefficients, &f, &mean),
+        spline: BiharmonicSpline::of_vertex_values(space, knots, &f, &target.mean),
         report: Report {
             outcome,
             iterations: report.iterations,
             residual: report.residual,
-            eliminations,
-            exchanges,
+            eliminations: selected.eliminations,
+            exchanges: selected.exchanges,
             warnings,
         },
     })
@@ -140,6 +168,15 @@ impl Report {
 enum Given {
     Knots(Vec<u32>),
     Count(usize),
+}
+
+impl Given {
+    fn count(&self) -> usize {
+        match self {
+            Self::Knots(knots) => knots.len(),
+            Self::Count(count) => *count,
+        }
+    }
 }
 
 fn checked_knots(vertices: usize, choice: &KnotChoice) -> Result<Given, FitError> {
@@ -177,65 +214,4 @@ fn checked_knots(vertices: usize, choice: &KnotChoice) -> Result<Given, FitError
             Ok(Given::Knots(sorted))
         }
     }
-}
-
-/// Returns the data less its mean, as a matrix, and the mean.
-///
-/// Constants belong to every spline space, so the mean is set aside: data far from the origin keeps
-/// its digits.
-pub(crate) fn checked_data(
-    mesh: &TriangleMesh,
-    data: VertexData<'_>,
-) -> Result<(Mat<f64>, Vec<f64>), FitError> {
-    let (vertices, dimension) = (mesh.vertex_count(), data.dimension);
-    if dimension == 0 || data.values.len() != vertices * dimension {
-        return Err(FitError::DataLength {
-            values: data.values.len(),
-            vertices,
-            dimension,
-        });
-    }
-    if let Some(at) = data.values.iter().position(|value| !value.is_finite()) {
-        let (vertex, component) = (at / dimension, at % dimension);
-        return Err(FitError::DataNotFinite {
-            vertex,
-            component,
-            value: data.values[at],
-        });
-    }
-    let mean: Vec<f64> = (0..dimension)
-        .map(|c| {
-            // Two passes: the first mean may have lost digits far from the origin.
-            let values = || data.values.iter().skip(c).step_by(dimension);
-            let rough = values().sum::<f64>() / vertices as f64;
-            rough + values().map(|value| value - rough).sum::<f64>() / vertices as f64
-        })
-        .collect();
-    let centred = Mat::from_fn(vertices, dimension, |v, c| {
-        data.values[v * dimension + c] - mean[c]
-    });
-    Ok((centred, mean))
-}
-
-/// Returns the spline of these coefficients, corrected to zero sum, and the mean of `f` and data.
-pub(crate) fn finish(
-    space: Space,
-    knots: Vec<u32>,
-    coefficients: &Mat<f64>,
-    f: &Mat<f64>,
-    data_mean: &[f64],
-) -> BiharmonicSpline {
-    let dimension = f.ncols();
-    let mut constant = Vec::with_capacity(dimension);
-    let mut stored = vec![0.0; knots.len() * dimension];
-    for (c, data_mean) in data_mean.iter().enumerate() {
-        let sum: f64 = (0..knots.len()).map(|k| coefficients[(k, c)]).sum();
-        let shift = sum / knots.len() as f64;
-        for k in 0..knots.len() {
-            stored[k * dimension + c] = coefficients[(k, c)] - shift;
-        }
-        let mean = (0..f.nrows()).map(|v| f[(v, c)]).sum::<f64>() / f.nrows() as f64;
-        constant.push(data_mean + mean);
-    }
-    BiharmonicSpline::new(space, dimension, knots, stored, constant)
 }

@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use msplines_common::evaluate::VertexData;
-use msplines_common::linalg::Mat;
 use msplines_common::mesh::TriangleMesh;
 
-use crate::fit::{checked_data, finish};
+use crate::target::Centred;
 use crate::{BiharmonicSpline, FitError, Laplacian, Space};
 
 /// Returns the spline that takes the data at every vertex, without solving anything.
@@ -21,9 +20,11 @@ pub fn interpolate(
     data: VertexData<'_>,
     laplacian: Laplacian,
 ) -> Result<BiharmonicSpline, FitError> {
-    let (centred, mean) = checked_data(mesh, data)?;
-    let space = Space::build(Arc::new(mesh.clone()), laplacian)?;
+    let target = Centred::check(mesh.vertex_count(), &data.into())?;
+    let space = Arc::new(Space::build(Arc::new(mesh.clone()), laplacian)?);
     let knots: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
-    let coefficients: Mat<f64> = space.coefficients(&centred);
-    Ok(finish(space, knots, &coefficients, &centred, &mean))
+    let (data, mean) = (&target.data, &target.mean);
+    Ok(BiharmonicSpline::of_vertex_values(
+        &space, knots, data, mean,
+    ))
 }

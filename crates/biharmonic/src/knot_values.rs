@@ -13,6 +13,7 @@ use msplines_common::linalg::{
     CgReport, CgTolerance, Cholesky, Mat, MatRef, Symbolic, SymmetricMatrix, conjugate_gradient,
 };
 
+use crate::target::Centred;
 use crate::{Bilaplacian, FitError, Space};
 
 /// From one knot in so many vertices on, a smaller factor is worth an analysis of its own.
@@ -47,10 +48,6 @@ impl<'a> KnotValues<'a> {
             knots,
             factor,
         })
-    }
-
-    pub(crate) fn vertex_count(&self) -> usize {
-        self.bilaplacian.size()
     }
 
     pub(crate) fn knots(&self) -> &[u32] {
@@ -105,23 +102,29 @@ impl<'a> KnotValues<'a> {
 
     /// Returns the least-squares spline, found from the values of `start` at the knots on, and how.
     ///
-    /// `scale` approximates the diagonal of `Hᵀ H`. Iterations stop when the squared error exceeds
-    /// its minimum by about the share `excess`.
+    /// `scale` approximates the diagonal of `Hᵀ C² H`, with the weights `C` of the target. Iterations
+    /// stop when the squared error exceeds its minimum by about the share `excess`.
     pub(crate) fn least_squares(
         &self,
-        data: &Mat<f64>,
+        target: &Centred,
         start: &Mat<f64>,
         scale: &[f64],
         excess: f64,
         max_iterations: u32,
     ) -> (Mat<f64>, CgReport) {
         let mut f = self.extend(self.gather(start).as_ref());
-        let residual = data - &f;
-        let energy = residual.squared_norm_l2() * excess / data.ncols() as f64;
+        let mut residual = &target.data - &f;
+        target.weigh(&mut residual);
+        let energy = residual.squared_norm_l2() * excess / residual.ncols() as f64;
+        target.weigh(&mut residual);
         let b = self.restrict(&residual);
         let mut values = Mat::zeros(b.nrows(), b.ncols());
         let report = conjugate_gradient(
-            |p| self.restrict(&self.extend(p)),
+            |p| {
+                let mut image = self.extend(p);
+                target.weigh_twice(&mut image);
+                self.restrict(&image)
+            },
             |r| Mat::from_fn(r.nrows(), r.ncols(), |k, side| r[(k, side)] / scale[k]),
             b.as_ref(),
             &mut values,

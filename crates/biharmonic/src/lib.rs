@@ -18,6 +18,7 @@
 //! # Reference
 //! [Hou2017] §4, §5, §6.
 
+mod creases;
 mod error;
 mod fit;
 mod interpolate;
@@ -27,13 +28,16 @@ mod select;
 mod space;
 mod spline;
 mod subdivision;
+mod target;
 #[cfg(test)]
 mod tests;
 
+pub use creases::Creases;
 pub use error::FitError;
-pub use fit::{Fit, Report, fit};
+pub use fit::{Fit, Report, fit, fit_in};
 pub use interpolate::interpolate;
-pub use options::{Effort, KnotChoice, Laplacian, Options};
+pub use options::{CreaseChoice, Effort, KnotChoice, Laplacian, Options, Selection};
 pub use space::{Bilaplacian, Space};
-pub use spline::{BiharmonicSpline, PartsError};
+pub use spline::{BiharmonicSpline, Form, PartsError};
 pub use subdivision::Extension;
+pub use target::Target;

@@ -1,6 +1,9 @@
 //! What can be chosen about a fit.
 
+use msplines_common::mesh::TriangleMesh;
 use serde::{Deserialize, Serialize};
+
+use crate::{Creases, FitError};
 
 /// Options of [`fit`](crate::fit).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -8,8 +11,12 @@ use serde::{Deserialize, Serialize};
 pub struct Options {
     /// Which vertices are knots.
     pub knots: KnotChoice,
+    /// How the places of the knots are chosen.
+    pub selection: Selection,
     /// How much is done for the best places of the knots.
     pub effort: Effort,
+    /// Where the spline may have creases.
+    pub creases: CreaseChoice,
     /// Which Laplacian the splines are made of.
     pub laplacian: Laplacian,
     /// Seed of all random choices.
@@ -21,8 +28,6 @@ pub struct Options {
 #[serde(rename_all = "snake_case")]
 pub enum KnotChoice {
     /// So many knots at optimised places.
-    ///
-    /// The reweighted l1 selection of [Hou2017] (Eq. 9, 10) will stand beside this choice.
     Optimised {
         /// Number of knots.
         count: usize,
@@ -31,6 +36,50 @@ pub enum KnotChoice {
     Given(Vec<u32>),
     /// Every vertex: the spline interpolates.
     All,
+}
+
+/// How the places of the knots are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Selection {
+    /// Backward elimination from a dense sample, then exchange of knots.
+    Exchange,
+    /// A Poisson-disk sample that is denser where the data bends.
+    Curvature,
+    /// An even Poisson-disk sample.
+    BlueNoise,
+}
+
+/// Where a spline may have creases.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CreaseChoice {
+    /// Nowhere: the spline is smooth.
+    None,
+    /// At edges whose faces meet at more than so many degrees.
+    SharperThan {
+        /// The angle, between 0 and 180.
+        degrees: f64,
+    },
+    /// Along these edges, given by their vertices.
+    Edges(Vec<[u32; 2]>),
+}
+
+impl CreaseChoice {
+    /// Returns the creases on a mesh.
+    ///
+    /// # Errors
+    /// An edge that does not exist, or an angle that is none.
+    pub fn on(&self, mesh: &TriangleMesh) -> Result<Creases, FitError> {
+        match self {
+            Self::None => Ok(Creases::none()),
+            Self::SharperThan { degrees } if (0.0..=180.0).contains(degrees) => {
+                Ok(Creases::sharper_than(mesh, degrees.to_radians()))
+            }
+            Self::SharperThan { degrees } => Err(FitError::CreaseAngle { degrees: *degrees }),
+            Self::Edges(edges) => Creases::along(mesh, edges),
+        }
+    }
 }
 
 /// How much is done for the best places of the knots.
@@ -63,7 +112,9 @@ impl Options {
     /// [Hou2017] §6. Deviation: knots by elimination and exchange, not by reweighted l1.
     pub const PAPER: Self = Self {
         knots: KnotChoice::Optimised { count: 1000 },
+        selection: Selection::Exchange,
         effort: Effort::Standard,
+        creases: CreaseChoice::None,
         laplacian: Laplacian::Cotangent,
         seed: 0,
     };

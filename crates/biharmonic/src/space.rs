@@ -7,7 +7,7 @@ use msplines_common::mesh::TriangleMesh;
 use msplines_common::operators::intrinsic::intrinsic_delaunay;
 use msplines_common::operators::{Operators, Poisson, assemble, mesh_operators};
 
-use crate::{FitError, Laplacian};
+use crate::{Creases, FitError, Laplacian};
 
 /// The space of biharmonic B-splines on one mesh, whatever their knots.
 ///
@@ -17,6 +17,7 @@ use crate::{FitError, Laplacian};
 pub struct Space {
     mesh: Arc<TriangleMesh>,
     laplacian: Laplacian,
+    creases: Creases,
     operators: Operators,
     bilaplacian: OnceLock<Bilaplacian>,
     poisson: OnceLock<Poisson>,
@@ -25,7 +26,7 @@ pub struct Space {
 /// The bi-Laplacian of a mesh, and what the factorisations of all its submatrices share.
 #[derive(Debug)]
 pub struct Bilaplacian {
-    /// `B = L A⁻¹ L`.
+    /// `B = L A⁻¹ L`, or the energy of splines with creases.
     pub matrix: SymmetricMatrix,
     /// A fill-reducing elimination order.
     pub ordering: Ordering,
@@ -34,11 +35,23 @@ pub struct Bilaplacian {
 }
 
 impl Space {
-    /// Builds the space on a connected mesh.
+    /// Builds the space of smooth splines on a connected mesh.
     ///
     /// # Errors
     /// A mesh of several components, or with faces without area.
     pub fn build(mesh: Arc<TriangleMesh>, laplacian: Laplacian) -> Result<Self, FitError> {
+        Self::with_creases(mesh, laplacian, Creases::none())
+    }
+
+    /// Builds the space of splines that need not be smooth across some edges of a connected mesh.
+    ///
+    /// # Errors
+    /// A mesh of several components, or with faces without area.
+    pub fn with_creases(
+        mesh: Arc<TriangleMesh>,
+        laplacian: Laplacian,
+        creases: Creases,
+    ) -> Result<Self, FitError> {
         let components = mesh.topology().components().1;
         if components != 1 {
             return Err(FitError::NotConnected { components });
@@ -47,6 +60,7 @@ impl Space {
         Ok(Self {
             mesh,
             laplacian,
+            creases,
             operators,
             bilaplacian: OnceLock::new(),
             poisson: OnceLock::new(),
@@ -65,6 +79,12 @@ impl Space {
         self.laplacian
     }
 
+    /// Returns the creases.
+    #[must_use]
+    pub fn creases(&self) -> &Creases {
+        &self.creases
+    }
+
     /// Returns the Laplacian and the vertex areas.
     #[must_use]
     pub fn operators(&self) -> &Operators {
@@ -79,7 +99,7 @@ impl Space {
         if let Some(ready) = self.bilaplacian.get() {
             return Ok(ready);
         }
-        let matrix = self.operators.bilaplacian();
+        let matrix = energy(&self.mesh, &self.operators, &self.creases);
         let ordering = Ordering::nested_dissection(&matrix)?;
         let symbolic = Arc::new(Symbolic::analyze(&matrix, &ordering));
         Ok(self.bilaplacian.get_or_init(|| Bilaplacian {
@@ -101,7 +121,7 @@ impl Space {
         Ok(self.poisson.get_or_init(|| poisson))
     }
 
-    /// Returns the Green's coefficients `B f` of a function, of zero sum.
+    /// Returns the Green's coefficients `L A⁻¹ L f` of a function, of zero sum, whatever the creases.
     ///
     /// # Reference
     /// [Hou2017] Alg. 3.
@@ -114,6 +134,19 @@ impl Space {
             }
         }
         self.operators.laplacian.multiply(flux.as_ref())
+    }
+}
+
+/// Returns the matrix whose minima with given values are splines.
+pub(crate) fn energy(
+    mesh: &TriangleMesh,
+    operators: &Operators,
+    creases: &Creases,
+) -> SymmetricMatrix {
+    if creases.is_empty() {
+        operators.bilaplacian()
+    } else {
+        creases.energy(mesh, operators)
     }
 }
 

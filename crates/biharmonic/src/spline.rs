@@ -6,8 +6,9 @@ use msplines_common::evaluate::{Domain, EvaluateError, Evaluator, Order, Samples
 use msplines_common::linalg::Mat;
 use msplines_common::mesh::{SurfacePoint, TriangleMesh};
 
+use crate::Space;
+use crate::knot_values::KnotValues;
 use crate::subdivision::{Extension, extend};
-use crate::{FitError, Laplacian, Space};
 
 /// Rounds of planar subdivision on whose vertices points inside of faces are evaluated.
 const POINT_ROUNDS: u32 = 1;
@@ -47,9 +48,24 @@ pub enum PartsError {
         /// Vertices of the mesh.
         vertices: usize,
     },
-    /// The mesh carries no spline.
-    #[error(transparent)]
-    Space(#[from] FitError),
+    /// A spline with creases is given by its values.
+    #[error("a spline with creases has no Green's coefficients; give its values at the knots")]
+    Creases,
+}
+
+/// The numbers of a spline.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Form {
+    /// The implicit form `f = a + Σ wᵢ φᵢ` of a smooth spline.
+    Implicit {
+        /// The Green's coefficients `w`, K × d, knot after knot, summing to zero in each component.
+        coefficients: Vec<f64>,
+        /// `a`, the mean over all vertices.
+        constant: Vec<f64>,
+    },
+    /// The values at the knots, K × d, of a spline with creases: its energy has no factor that would
+    /// serve all splines as that of the Laplacian does.
+    KnotValues(Vec<f64>),
 }
 
 /// A biharmonic B-spline `f = a + Σ wᵢ φᵢ` over the vertices of a mesh, in any dimension.
@@ -58,51 +74,63 @@ pub enum PartsError {
 /// [Hou2017] Eq. (7), Theorem 1.
 #[derive(Debug)]
 pub struct BiharmonicSpline {
-    space: Space,
+    space: Arc<Space>,
     dimension: usize,
     knots: Vec<u32>,
-    /// K × d, knot after knot, summing to zero in each component.
-    coefficients: Vec<f64>,
-    constant: Vec<f64>,
+    form: Form,
     vertex_values: OnceLock<Mat<f64>>,
 }
 
 impl BiharmonicSpline {
-    pub(crate) fn new(
-        space: Space,
-        dimension: usize,
+    /// Returns the spline with these knots whose values at all vertices, less `mean`, are known.
+    pub(crate) fn of_vertex_values(
+        space: &Arc<Space>,
         knots: Vec<u32>,
-        coefficients: Vec<f64>,
-        constant: Vec<f64>,
+        f: &Mat<f64>,
+        mean: &[f64],
     ) -> Self {
+        let dimension = f.ncols();
+        let form = if space.creases().is_empty() {
+            implicit_form(space, &knots, f, mean)
+        } else {
+            let value = |knot: u32, c: usize| f[(knot as usize, c)] + mean[c];
+            let at = |&knot: &u32| (0..dimension).map(move |c| value(knot, c));
+            Form::KnotValues(knots.iter().flat_map(at).collect())
+        };
         Self {
-            space,
+            space: Arc::clone(space),
             dimension,
             knots,
-            coefficients,
-            constant,
+            form,
             vertex_values: OnceLock::new(),
         }
     }
 
-    /// Builds a spline from its stored parts: knots ascending, coefficients knot after knot, and the
-    /// mean over all vertices.
+    /// Builds a spline from its stored parts: knots ascending, numbers knot after knot.
     ///
     /// # Errors
-    /// Parts that do not belong together or to the mesh.
+    /// Parts that do not belong together or to the space.
     pub fn from_parts(
-        mesh: Arc<TriangleMesh>,
-        laplacian: Laplacian,
+        space: &Arc<Space>,
         dimension: usize,
         knots: Vec<u32>,
-        coefficients: Vec<f64>,
-        constant: Vec<f64>,
+        form: Form,
     ) -> Result<Self, PartsError> {
-        let vertices = mesh.vertex_count();
-        for (what, list, expected) in [
-            ("coefficients", &coefficients, knots.len() * dimension),
-            ("constant", &constant, dimension.max(1)),
-        ] {
+        let vertices = space.mesh().vertex_count();
+        let lists = match &form {
+            Form::Implicit { .. } if !space.creases().is_empty() => {
+                return Err(PartsError::Creases);
+            }
+            Form::Implicit {
+                coefficients,
+                constant,
+            } => vec![
+                ("coefficients", coefficients, knots.len() * dimension),
+                ("constant", constant, dimension.max(1)),
+            ],
+            Form::KnotValues(values) => vec![("knot values", values, knots.len() * dimension)],
+        };
+        for (what, list, expected) in lists {
             if list.len() != expected {
                 return Err(PartsError::Length {
                     what,
@@ -123,13 +151,18 @@ impl BiharmonicSpline {
                 });
             }
         }
-        let space = Space::build(mesh, laplacian)?;
-        Ok(Self::new(space, dimension, knots, coefficients, constant))
+        Ok(Self {
+            space: Arc::clone(space),
+            dimension,
+            knots,
+            form,
+            vertex_values: OnceLock::new(),
+        })
     }
 
     /// Returns the space the spline lives in.
     #[must_use]
-    pub fn space(&self) -> &Space {
+    pub fn space(&self) -> &Arc<Space> {
         &self.space
     }
 
@@ -145,21 +178,15 @@ impl BiharmonicSpline {
         self.dimension
     }
 
-    /// Returns the Green's coefficients `w`, K × d, knot after knot.
+    /// Returns the numbers that make the spline.
     #[must_use]
-    pub fn coefficients(&self) -> &[f64] {
-        &self.coefficients
-    }
-
-    /// Returns `a`, the mean over all vertices.
-    #[must_use]
-    pub fn constant(&self) -> &[f64] {
-        &self.constant
+    pub fn form(&self) -> &Form {
+        &self.form
     }
 
     /// Returns the spline at all vertices, n × d, vertex after vertex.
     ///
-    /// Two solves with the Laplacian, which is factored on first use.
+    /// Two solves with the Laplacian, which is factored on first use; with creases a factorisation.
     ///
     /// # Reference
     /// [Hou2017] Alg. 1, lines 1-3.
@@ -168,7 +195,7 @@ impl BiharmonicSpline {
     /// A Laplacian that cannot be factored.
     pub fn vertex_values(&self) -> Result<Vec<f64>, EvaluateError> {
         let f = self.at_vertices()?;
-        Ok(row_major(f, &self.constant))
+        Ok(row_major(f, &self.offset()))
     }
 
     /// Returns the planar subdivision of the domain after some rounds, and the spline at its
@@ -186,23 +213,70 @@ impl BiharmonicSpline {
     ) -> Result<(TriangleMesh, Vec<f64>), EvaluateError> {
         let f = self.at_vertices()?;
         let (mesh, f) = extend(&self.space, f, rounds, extension).map_err(unsolvable)?;
-        Ok((mesh, row_major(&f, &self.constant)))
+        Ok((mesh, row_major(&f, &self.offset())))
     }
 
-    /// Returns the spline less its mean at all vertices.
+    /// Returns the spline less [`Self::offset`] at all vertices.
     pub(crate) fn at_vertices(&self) -> Result<&Mat<f64>, EvaluateError> {
         if let Some(ready) = self.vertex_values.get() {
             return Ok(ready);
         }
-        let poisson = self.space.poisson().map_err(unsolvable)?;
-        let mut w = Mat::zeros(self.space.mesh().vertex_count(), self.dimension);
-        for (k, &knot) in self.knots.iter().enumerate() {
-            for c in 0..self.dimension {
-                w[(knot as usize, c)] = self.coefficients[k * self.dimension + c];
+        let f = match &self.form {
+            Form::Implicit { coefficients, .. } => {
+                let poisson = self.space.poisson().map_err(unsolvable)?;
+                let mut w = Mat::zeros(self.space.mesh().vertex_count(), self.dimension);
+                for (k, &knot) in self.knots.iter().enumerate() {
+                    for c in 0..self.dimension {
+                        w[(knot as usize, c)] = coefficients[k * self.dimension + c];
+                    }
+                }
+                poisson.solve_biharmonic(w)
             }
-        }
-        let f = poisson.solve_biharmonic(w);
+            Form::KnotValues(values) => {
+                let system =
+                    KnotValues::factor(&self.space, self.knots.clone()).map_err(unsolvable)?;
+                let offset = self.offset();
+                let centred = Mat::from_fn(self.knots.len(), self.dimension, |k, c| {
+                    values[k * self.dimension + c] - offset[c]
+                });
+                system.extend(centred.as_ref())
+            }
+        };
         Ok(self.vertex_values.get_or_init(|| f))
+    }
+
+    /// Returns what [`Self::at_vertices`] leaves out: the mean over the vertices, or over the knots.
+    pub(crate) fn offset(&self) -> Vec<f64> {
+        match &self.form {
+            Form::Implicit { constant, .. } => constant.clone(),
+            Form::KnotValues(values) => (0..self.dimension)
+                .map(|c| {
+                    let component = values.iter().skip(c).step_by(self.dimension);
+                    component.sum::<f64>() / self.knots.len() as f64
+                })
+                .collect(),
+        }
+    }
+}
+
+/// Returns the implicit form, its coefficients corrected to zero sum.
+fn implicit_form(space: &Space, knots: &[u32], f: &Mat<f64>, mean: &[f64]) -> Form {
+    let dimension = f.ncols();
+    let all = space.coefficients(f);
+    let mut constant = Vec::with_capacity(dimension);
+    let mut coefficients = vec![0.0; knots.len() * dimension];
+    for (c, mean) in mean.iter().enumerate() {
+        let at = |k: usize| all[(knots[k] as usize, c)];
+        let shift = (0..knots.len()).map(at).sum::<f64>() / knots.len() as f64;
+        for k in 0..knots.len() {
+            coefficients[k * dimension + c] = at(k) - shift;
+        }
+        let remaining = (0..f.nrows()).map(|v| f[(v, c)]).sum::<f64>() / f.nrows() as f64;
+        constant.push(mean + remaining);
+    }
+    Form::Implicit {
+        coefficients,
+        constant,
     }
 }
 

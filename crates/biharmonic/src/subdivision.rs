@@ -8,15 +8,16 @@
 use msplines_common::linalg::{Cholesky, Mat, Ordering, Symbolic};
 use msplines_common::mesh::{TriangleMesh, subdivide_midpoint};
 
-use crate::space::operators;
+use crate::space::{energy, operators};
 use crate::{FitError, Space};
 
 /// What the extension to a planar subdivision minimises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extension {
-    /// The integral of the squared Laplacian: the biharmonic extension of the finer mesh.
+    /// The integral of the squared Laplacian: the biharmonic extension of the finer mesh, with the
+    /// creases of the spline.
     AreaWeighted,
-    /// The plain sum of squares, as the paper has it.
+    /// The plain sum of squares, as the paper has it, without creases.
     Literal,
 }
 
@@ -46,11 +47,13 @@ pub(crate) fn extend(
         mesh = subdivide_midpoint(&mesh, 1).0;
     }
     let fine = operators(&mesh, space.laplacian())?;
-    let weights = match extension {
-        Extension::AreaWeighted => fine.mass.iter().map(|area| 1.0 / area).collect(),
-        Extension::Literal => vec![1.0; fine.mass.len()],
+    let matrix = match extension {
+        Extension::AreaWeighted => {
+            let creases = space.creases().subdivided(coarse, &mesh, rounds);
+            energy(&mesh, &fine, &creases)
+        }
+        Extension::Literal => fine.laplacian.congruence(&vec![1.0; fine.mass.len()]),
     };
-    let matrix = fine.laplacian.congruence(&weights);
     let mut order: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
     order.sort_by_key(|&vertex| rank[vertex as usize]);
     let known = f.nrows();

@@ -1,7 +1,7 @@
 //! `msplines fit` and `msplines evaluate`: thin callers of the harness.
 
 use msplines_biharmonic::Laplacian;
-use msplines_compare::case::{Case, Data, DomainStorage, Input, Knots, Method};
+use msplines_compare::case::{BiharmonicMethod, Case, Data, DomainStorage, Input, Knots, Method};
 use msplines_compare::error::exit;
 use msplines_compare::input::file_name;
 use msplines_compare::run::{self, Evaluation};
@@ -75,8 +75,7 @@ fn biharmonic(arguments: &crate::arguments::Biharmonic) -> Result<Method, Failur
             });
         }
     };
-    Ok(Method::Biharmonic {
-        knots,
+    Ok(Method::Biharmonic(BiharmonicMethod {
         effort: match arguments.effort {
             Effort::Fast => msplines_biharmonic::Effort::Fast,
             Effort::Standard => msplines_biharmonic::Effort::Standard,
@@ -87,7 +86,8 @@ fn biharmonic(arguments: &crate::arguments::Biharmonic) -> Result<Method, Failur
         } else {
             Laplacian::Cotangent
         },
-    })
+        ..BiharmonicMethod::new(knots)
+    }))
 }
 
 fn ls_mesh(arguments: &crate::arguments::LsMesh) -> Method {

@@ -49,6 +49,25 @@ impl Case {
             domain: DomainStorage::Embedded,
         }
     }
+
+    /// Returns the files that the run reads besides its input.
+    pub(crate) fn files_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        let (mut knots, mut creases, mut weights, mut data) = (None, None, None, None);
+        if let Method::Biharmonic(method) = &mut self.method {
+            if let Knots::Near(points) = &mut method.knots {
+                knots = Some(points);
+            }
+            if let CaseCreases::Along(edges) = &mut method.creases {
+                creases = Some(edges);
+            }
+            weights = method.weights.as_mut();
+        }
+        if let Data::Array(values) = &mut self.data {
+            data = Some(values);
+        }
+        let method = knots.into_iter().chain(creases).chain(weights);
+        method.chain(data).chain(&mut self.reference)
+    }
 }
 
 /// Where the domain mesh comes from.
@@ -74,6 +93,8 @@ pub enum Data {
     Positions,
     /// These per-vertex attributes of the file, in this order.
     Attributes(Vec<String>),
+    /// A NumPy array of one row for every vertex.
+    Array(PathBuf),
     /// A picture-like colour of every point: see [`crate::generated::colour_pattern`].
     ColourPattern,
 }
@@ -93,14 +114,7 @@ pub enum DomainStorage {
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Method {
     /// Biharmonic B-spline.
-    Biharmonic {
-        /// Where its knots are.
-        knots: Knots,
-        /// How long knots are optimised.
-        effort: msplines_biharmonic::Effort,
-        /// Discrete Laplacian.
-        laplacian: msplines_biharmonic::Laplacian,
-    },
+    Biharmonic(BiharmonicMethod),
     /// Least-squares mesh.
     LsMesh {
         /// Number of control vertices.
@@ -116,14 +130,7 @@ impl Method {
     /// Returns the biharmonic B-spline with these knots and default options.
     #[must_use]
     pub fn biharmonic(knots: Knots) -> Self {
-        let msplines_biharmonic::Options {
-            effort, laplacian, ..
-        } = Default::default();
-        Self::Biharmonic {
-            knots,
-            effort,
-            laplacian,
-        }
+        Self::Biharmonic(BiharmonicMethod::new(knots))
     }
 
     /// Returns the least-squares mesh of `controls` control vertices with default options.
@@ -145,10 +152,56 @@ impl Method {
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Biharmonic { .. } => "biharmonic",
+            Self::Biharmonic(_) => "biharmonic",
             Self::LsMesh { .. } => "ls-mesh",
         }
     }
+}
+
+/// A biharmonic B-spline with its options.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BiharmonicMethod {
+    /// Where its knots are.
+    pub knots: Knots,
+    /// How the places of the knots are chosen.
+    pub selection: msplines_biharmonic::Selection,
+    /// How long knots are optimised.
+    pub effort: msplines_biharmonic::Effort,
+    /// Discrete Laplacian.
+    pub laplacian: msplines_biharmonic::Laplacian,
+    /// Where the surface may have creases.
+    pub creases: CaseCreases,
+    /// File with a weight for every vertex.
+    pub weights: Option<PathBuf>,
+}
+
+impl BiharmonicMethod {
+    /// Returns the method with these knots and default options.
+    #[must_use]
+    pub fn new(knots: Knots) -> Self {
+        let defaults = msplines_biharmonic::Options::default();
+        Self {
+            knots,
+            selection: defaults.selection,
+            effort: defaults.effort,
+            laplacian: defaults.laplacian,
+            creases: CaseCreases::None,
+            weights: None,
+        }
+    }
+}
+
+/// Where a surface may have creases.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CaseCreases {
+    /// Nowhere.
+    None,
+    /// At edges whose faces meet at more than so many degrees.
+    SharperThan(f64),
+    /// Along the edges in this file: two vertices a line, from zero.
+    Along(PathBuf),
 }
 
 /// Where the knots of a biharmonic B-spline are.

@@ -65,6 +65,16 @@ pub enum RunError {
         /// What is wrong.
         reason: String,
     },
+    /// A file of numbers that does not hold what it should.
+    #[error("{option} {file}: {reason}")]
+    Array {
+        /// The option that names the file.
+        option: &'static str,
+        /// The file.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// An attribute that the file does not have.
     #[error("{file} has no vertex attribute `{name}`; it has: {available}")]
     NoSuchAttribute {
@@ -103,9 +113,10 @@ impl RunError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Amount { .. } | Self::UnknownOutput { .. } | Self::Write { .. } => exit::USAGE,
-            Self::Input { .. } | Self::KnotPoints { .. } | Self::NoSuchAttribute { .. } => {
-                exit::INPUT
-            }
+            Self::Input { .. }
+            | Self::KnotPoints { .. }
+            | Self::Array { .. }
+            | Self::NoSuchAttribute { .. } => exit::INPUT,
             Self::Spline(error) => error.exit_code(),
             Self::Biharmonic(_) | Self::LsMesh(_) | Self::Distance(_) | Self::NotFinite { .. } => {
                 exit::METHOD
@@ -188,6 +199,14 @@ pub enum SplineFileError {
         /// The digest in the spline file.
         sha256: String,
     },
+    /// Neither coefficients with their constant nor values at the knots.
+    #[error(
+        "the spline file must hold either `coefficients` and `constant` or `knot_values`; it is damaged, fit again"
+    )]
+    Numbers,
+    /// The domain carries no spline of this kind.
+    #[error("biharmonic: {0}; the spline file is damaged or belongs to another mesh")]
+    Space(#[from] msplines_biharmonic::FitError),
     /// A least-squares mesh between its vertices.
     #[error("a least-squares mesh is defined at the vertices only; leave out --subdivide")]
     VerticesOnly,
@@ -208,7 +227,9 @@ impl SplineFileError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::VerticesOnly | Self::DomainMissing { .. } => exit::USAGE,
-            Self::Biharmonic(_) | Self::LsMesh(_) | Self::Evaluate(_) => exit::METHOD,
+            Self::Biharmonic(_) | Self::Space(_) | Self::LsMesh(_) | Self::Evaluate(_) => {
+                exit::METHOD
+            }
             _ => exit::INPUT,
         }
     }

@@ -9,11 +9,12 @@ use msplines_common::progress::{Observer, Outcome, Progress};
 use msplines_ls_mesh as ls_mesh;
 use serde_json::{Value, json};
 
-use crate::case::{Amount, Case, Knots, Method};
+use crate::arrays;
+use crate::case::{Amount, BiharmonicMethod, Case, CaseCreases, Knots, Method};
 use crate::clock::PhaseClock;
 use crate::error::RunError;
 use crate::input::{FitData, LoadedInput, nearest_vertices};
-use crate::spline_file::StoredSpline;
+use crate::spline_file::{StoredBiharmonic, StoredSpline};
 
 /// Phases of a fit that a record tells apart.
 const PHASES: [&str; 3] = ["domain", "select", "fit"];
@@ -50,40 +51,21 @@ pub(crate) fn fit(
         }
         observer(progress)
     };
-    let count = |amount: &Amount, option: &'static str| {
-        let vertices = input.mesh.vertex_count();
-        amount
-            .of(vertices)
-            .map_err(|source| RunError::Amount { option, source })
-    };
     match &case.method {
-        Method::Biharmonic {
-            knots,
-            effort,
-            laplacian,
-        } => {
-            let options = biharmonic::Options {
-                knots: match knots {
-                    Knots::Optimised(amount) => biharmonic::KnotChoice::Optimised {
-                        count: count(amount, "--knots")?,
-                    },
-                    Knots::All => biharmonic::KnotChoice::All,
-                    Knots::Near(points) => {
-                        biharmonic::KnotChoice::Given(nearest_vertices(&input.mesh, points)?)
-                    }
-                },
-                effort: *effort,
-                laplacian: *laplacian,
-                seed: case.seed,
+        Method::Biharmonic(method) => {
+            let (options, weights) = biharmonic_options(method, case.seed, &input.mesh)?;
+            let target = biharmonic::Target {
+                data: values,
+                weights: weights.as_deref(),
             };
-            fit_biharmonic(&input.mesh, values, &options, &mut timed)
+            fit_biharmonic(&input.mesh, target, &options, &mut timed)
         }
         Method::LsMesh {
             controls,
             selection,
             constraints,
         } => {
-            let count = count(controls, "--controls")?;
+            let count = count(*controls, "--controls", &input.mesh)?;
             let options = ls_mesh::Options {
                 controls: ls_mesh::ControlChoice::Selected { count },
                 selection: *selection,
@@ -94,15 +76,54 @@ pub(crate) fn fit(
     }
 }
 
+fn count(amount: Amount, option: &'static str, mesh: &TriangleMesh) -> Result<usize, RunError> {
+    amount
+        .of(mesh.vertex_count())
+        .map_err(|source| RunError::Amount { option, source })
+}
+
+/// Returns the options of a fit, and the weights of the vertices where they are given.
+fn biharmonic_options(
+    method: &BiharmonicMethod,
+    seed: u64,
+    mesh: &TriangleMesh,
+) -> Result<(biharmonic::Options, Option<Vec<f64>>), RunError> {
+    let options = biharmonic::Options {
+        knots: match &method.knots {
+            Knots::Optimised(amount) => biharmonic::KnotChoice::Optimised {
+                count: count(*amount, "--knots", mesh)?,
+            },
+            Knots::All => biharmonic::KnotChoice::All,
+            Knots::Near(points) => biharmonic::KnotChoice::Given(nearest_vertices(mesh, points)?),
+        },
+        selection: method.selection,
+        effort: method.effort,
+        laplacian: method.laplacian,
+        creases: match &method.creases {
+            CaseCreases::None => biharmonic::CreaseChoice::None,
+            CaseCreases::SharperThan(degrees) => {
+                biharmonic::CreaseChoice::SharperThan { degrees: *degrees }
+            }
+            CaseCreases::Along(path) => biharmonic::CreaseChoice::Edges(arrays::edges(path)?),
+        },
+        seed,
+    };
+    let weights = match &method.weights {
+        Some(path) => Some(arrays::weights(path)?),
+        None => None,
+    };
+    Ok((options, weights))
+}
+
 fn fit_biharmonic(
     mesh: &TriangleMesh,
-    values: VertexData<'_>,
+    target: biharmonic::Target<'_>,
     options: &biharmonic::Options,
     observer: &mut Observer<'_>,
 ) -> Result<Fitted, RunError> {
-    let fit = biharmonic::fit(mesh, values, options, observer)?;
+    let fit = biharmonic::fit(mesh, target, options, observer)?;
     let report = fit.report;
-    let stored = StoredSpline::of_biharmonic(&fit.spline, options.laplacian);
+    let stored = StoredSpline::Biharmonic(StoredBiharmonic::of(&fit.spline));
     let checks = [
         ("knots", json!(stored.knots().len())),
         ("iterations", json!(report.iterations)),
@@ -110,6 +131,10 @@ fn fit_biharmonic(
         ("eliminations", json!(report.eliminations)),
         ("exchanges", json!(report.exchanges[0])),
         ("exchanges_kept", json!(report.exchanges[1])),
+        (
+            "crease_edges",
+            json!(fit.spline.space().creases().edges().len()),
+        ),
     ];
     Ok(Fitted {
         stored,

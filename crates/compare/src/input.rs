@@ -7,6 +7,7 @@ use msplines_common::mesh::{Facts, Policy, PolygonSoup, TriangleMesh, VertexAttr
 use msplines_io::{read_points, read_soup, sha256_file};
 use rayon::prelude::*;
 
+use crate::arrays::read_rows;
 use crate::case::{Data, Input};
 use crate::clock::PhaseClock;
 use crate::error::{RunError, SplineFileError};
@@ -201,6 +202,7 @@ pub fn fit_data(data: &Data, input: &LoadedInput) -> Result<FitData, RunError> {
             scale: 1.0,
         }),
         Data::Attributes(chosen) => attribute_data(chosen, input),
+        Data::Array(path) => array_data(path, input),
     }
 }
 
@@ -242,6 +244,47 @@ fn attribute_data(chosen: &[String], input: &LoadedInput) -> Result<FitData, Run
         names: chosen.to_vec(),
         scale,
     })
+}
+
+fn array_data(path: &Path, input: &LoadedInput) -> Result<FitData, RunError> {
+    let rows = read_rows(path, "--data")?;
+    let refused = |reason: String| RunError::Array {
+        option: "--data",
+        file: file_name(path),
+        reason,
+    };
+    let vertices = input.mesh.vertex_count();
+    if rows.len() != vertices {
+        let found = rows.len();
+        return Err(refused(format!(
+            "{found} rows for {vertices} vertices; give one row for each vertex"
+        )));
+    }
+    let dimension = rows[0].len();
+    if let Some(row) = rows.iter().position(|row| row.len() != dimension) {
+        return Err(refused(format!(
+            "row {row} has {} numbers, but row 0 has {dimension}; give every vertex as many",
+            rows[row].len()
+        )));
+    }
+    let values = rows.concat();
+    if let Some(index) = values.iter().position(|x| !x.is_finite()) {
+        let row = index / dimension;
+        return Err(refused(format!("row {row} is not finite; mend the file")));
+    }
+    Ok(FitData {
+        dimension,
+        scale: range(&values),
+        names: (0..dimension).map(|c| format!("value_{c}")).collect(),
+        values,
+    })
+}
+
+/// Returns the largest difference of two values, or 1 where all are equal.
+fn range(values: &[f64]) -> f64 {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if high > low { high - low } else { 1.0 }
 }
 
 fn missing_attribute(name: &str, input: &LoadedInput) -> RunError {

@@ -10,7 +10,7 @@ use msplines_io::sha256_file;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::case::{Case, Input, Knots, Method};
+use crate::case::{Case, Input};
 use crate::input::{file_name, hexadecimal};
 use crate::machine::Machine;
 use crate::row_process::{HistoryPoint, RowAnswer};
@@ -198,17 +198,9 @@ pub fn row_key(case: &Case, input_digest: &str, threads: usize) -> std::io::Resu
         *path = file_name(path).into();
     }
     let mut files = Vec::new();
-    if let Method::Biharmonic {
-        knots: Knots::Near(points),
-        ..
-    } = &mut case.method
-    {
-        files.push(sha256_file(points)?);
-        *points = file_name(points).into();
-    }
-    if let Some(reference) = &mut case.reference {
-        files.push(sha256_file(reference)?);
-        *reference = file_name(reference).into();
+    for path in case.files_mut() {
+        files.push(sha256_file(path)?);
+        *path = file_name(path).into();
     }
     let parts = serde_json::json!({
         "schema": ROW_SCHEMA,
@@ -224,7 +216,7 @@ pub fn row_key(case: &Case, input_digest: &str, threads: usize) -> std::io::Resu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::case::Amount;
+    use crate::case::{Amount, Knots, Method};
     use crate::record::tests::sample;
 
     fn row() -> EndedRow {

@@ -1,10 +1,10 @@
 //! Choosing knots: a dense sample, backward elimination, then exchange.
 //!
 //! # Notation
-//! `r = S - f` the residual. A knot `i` can go at the cost `ΔE_i = |w_i|² / D_i`, with
-//! `D = diag(S_T (Hᵀ H)⁻¹ S_T)` and `S_T` the Schur complement of `B` on the knots: this is the exact
+//! `r = S - f` the residual, `C` the weights of the vertices. A knot `i` can go at the cost `ΔE_i = |w_i|² / D_i`, with
+//! `D = diag(S_T (Hᵀ C² H)⁻¹ S_T)` and `S_T` the Schur complement of `B` on the knots: this is the exact
 //! increase of the squared error when it alone is removed and all others are fitted again. A vertex
-//! `j` can come with the gain `g_j² / |B_ZZ⁻¹ e_j|²`, `g = B_ZZ⁻¹ r_Z`. Both denominators are
+//! `j` can come with the gain `g_j² / |C B_ZZ⁻¹ e_j|²`, `g = B_ZZ⁻¹ (C² r)_Z`. Both denominators are
 //! diagonals of huge matrices, estimated with random signs.
 //!
 //! # Reference
@@ -21,8 +21,11 @@ mod voronoi;
 use msplines_common::linalg::Mat;
 use msplines_common::progress::{Observer, Outcome};
 
+use crate::target::Centred;
 use crate::{Effort, FitError, Options, Space};
 
+#[cfg(test)]
+pub(crate) use scores::Probes;
 pub(crate) use scores::probe_scale;
 use state::State;
 
@@ -95,10 +98,10 @@ impl Plan {
     }
 }
 
-/// Chooses `count` knots for `data`, fewer than there are vertices.
+/// Chooses `count` knots for a target, fewer than there are vertices.
 pub(crate) fn select(
     space: &Space,
-    data: &Mat<f64>,
+    target: &Centred,
     count: usize,
     options: &Options,
     stopped: bool,
@@ -107,14 +110,9 @@ pub(crate) fn select(
     let plan = Plan::of(options.effort);
     let wanted = (count as f64 * plan.candidates).ceil() as usize;
     let candidates = if stopped { count } else { wanted };
-    let sample = sample::sample(
-        space,
-        data,
-        candidates.min(data.nrows()),
-        count,
-        options.seed,
-    );
-    let mut state = State::start(space, data, sample, options.seed)?;
+    let candidates = candidates.min(target.data.nrows());
+    let sample = sample::sample(space, target, candidates, count, options.seed);
+    let mut state = State::start(space, target, sample, options.seed)?;
     let mut run = Run { observer, stopped };
     let eliminations = eliminate::eliminate(&mut state, count, plan.elimination, &mut run)?;
     let exchanges = exchange::exchange(&mut state, &plan, &mut run)?;

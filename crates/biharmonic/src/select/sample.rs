@@ -1,17 +1,17 @@
 //! The first candidates: a Poisson-disk sample that is denser where the surface bends.
 //!
-//! The density is `|A⁻¹ L A⁻¹ L S|^0.4`, smoothed: a quarter of the order at which a spline of fourth
+//! The density is `(c |A⁻¹ L A⁻¹ L S|)^0.4`, smoothed: a quarter of the order at which a spline of fourth
 //! order needs knots, tempered because the finest scale of a scan is noise.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use msplines_common::linalg::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::voronoi::{Distance, Graph};
 use crate::Space;
+use crate::target::Centred;
 
 /// Power of the bi-Laplacian that the density follows.
 const DENSITY_POWER: f64 = 0.4;
@@ -25,18 +25,18 @@ const RADIUS_STEPS: u32 = 12;
 /// Returns about `wanted` vertices and at least `least`, ascending.
 pub(super) fn sample(
     space: &Space,
-    data: &Mat<f64>,
+    target: &Centred,
     wanted: usize,
     least: usize,
     seed: u64,
 ) -> Vec<u32> {
-    let vertices = data.nrows();
+    let vertices = target.data.nrows();
     // A sample this dense would leave out vertices at random: rather start from all of them.
     if 2 * wanted > vertices {
         return (0..vertices as u32).collect();
     }
     let graph = Graph::build(space.mesh());
-    let radii = relative_radii(space, data, &graph);
+    let radii = relative_radii(space, target, &graph);
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut order: Vec<(u64, u32)> = (0..vertices as u32).map(|v| (random.random(), v)).collect();
     order.sort_unstable();
@@ -61,7 +61,8 @@ pub(super) fn sample(
 }
 
 /// Returns the radius of the disk of each vertex, with median 1.
-fn relative_radii(space: &Space, data: &Mat<f64>, graph: &Graph) -> Vec<f64> {
+fn relative_radii(space: &Space, target: &Centred, graph: &Graph) -> Vec<f64> {
+    let data = &target.data;
     let coefficients = space.coefficients(data);
     let mass = &space.operators().mass;
     let mut density: Vec<f64> = (0..data.nrows())
@@ -69,7 +70,7 @@ fn relative_radii(space: &Space, data: &Mat<f64>, graph: &Graph) -> Vec<f64> {
             let square: f64 = (0..data.ncols())
                 .map(|c| coefficients[(v, c)].powi(2))
                 .sum();
-            (square.sqrt() / mass[v]).powf(DENSITY_POWER)
+            (target.weight(v) * square.sqrt() / mass[v]).powf(DENSITY_POWER)
         })
         .collect();
     for _ in 0..2 {

@@ -5,21 +5,23 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use crate::knot_values::KnotValues;
+use crate::target::Centred;
 
 /// Random sign vectors per estimate: a rank correlation of 0.96 with the exact scores.
 const PROBES: usize = 12;
 
 /// Estimates that need one solve per probe.
 pub(crate) struct Probes {
-    /// `diag(Hᵀ H)` at the knots.
+    /// `diag(Hᵀ C² H)` at the knots.
     pub(crate) scale: Vec<f64>,
-    /// `|B_ZZ⁻¹ e_j|²` at all vertices, zero at knots.
+    /// `|C B_ZZ⁻¹ e_j|²` at all vertices, zero at knots.
     pub(crate) insertion: Vec<f64>,
 }
 
 impl Probes {
-    pub(crate) fn estimate(system: &KnotValues<'_>, vertices: usize, seed: u64) -> Self {
-        let signs = random_signs(vertices, seed);
+    pub(crate) fn estimate(system: &KnotValues<'_>, target: &Centred, seed: u64) -> Self {
+        let mut signs = random_signs(target.data.nrows(), seed);
+        target.weigh(&mut signs);
         let solved = system.solve_free(signs.clone());
         let restricted = system.restrict_solved(&signs, &solved);
         Self {
@@ -29,12 +31,12 @@ impl Probes {
     }
 }
 
-/// Returns an estimate of `diag(Hᵀ H)`, which preconditions the normal equations.
-pub(crate) fn probe_scale(system: &KnotValues<'_>, seed: u64) -> Vec<f64> {
-    Probes::estimate(system, system.vertex_count(), seed).scale
+/// Returns an estimate of `diag(Hᵀ C² H)`, which preconditions the normal equations.
+pub(crate) fn probe_scale(system: &KnotValues<'_>, target: &Centred, seed: u64) -> Vec<f64> {
+    Probes::estimate(system, target, seed).scale
 }
 
-/// Returns an estimate of `D = diag(S_T (Hᵀ H)⁻¹ S_T)`, with `Hᵀ H` replaced by its diagonal.
+/// Returns an estimate of `D = diag(S_T (Hᵀ C² H)⁻¹ S_T)`, with `Hᵀ C² H` replaced by its diagonal.
 ///
 /// That makes all values too large by nearly the same factor, which no comparison sees.
 pub(crate) fn removal_denominators(system: &KnotValues<'_>, scale: &[f64], seed: u64) -> Vec<f64> {

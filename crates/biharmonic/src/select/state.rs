@@ -7,6 +7,7 @@ use msplines_common::linalg::Mat;
 use super::scores::{Probes, removal_denominators};
 use super::voronoi::Graph;
 use crate::knot_values::KnotValues;
+use crate::target::Centred;
 use crate::{FitError, Space};
 
 /// Share by which the squared error of a fit may exceed its minimum where the fit only serves to
@@ -21,7 +22,7 @@ const ROUND_ITERATIONS: u32 = 30;
 
 pub(super) struct State<'a> {
     space: &'a Space,
-    data: &'a Mat<f64>,
+    target: &'a Centred,
     graph: Graph,
     seed: u64,
     moves: u64,
@@ -29,29 +30,29 @@ pub(super) struct State<'a> {
     probes: Probes,
     /// The spline at all vertices.
     fitted: Mat<f64>,
-    /// Sum of squared errors.
+    /// Weighted sum of squared errors.
     error: f64,
 }
 
 impl<'a> State<'a> {
     pub(super) fn start(
         space: &'a Space,
-        data: &'a Mat<f64>,
+        target: &'a Centred,
         knots: Vec<u32>,
         seed: u64,
     ) -> Result<Self, FitError> {
         let system = KnotValues::factor(space, knots)?;
-        let probes = Probes::estimate(&system, data.nrows(), seed);
+        let probes = Probes::estimate(&system, target, seed);
         let graph = Graph::build(space.mesh());
         let mut state = Self {
             space,
-            data,
+            target,
             graph,
             seed,
             moves: 0,
             system,
             probes,
-            fitted: data.clone(),
+            fitted: target.data.clone(),
             error: 0.0,
         };
         state.fit(ROUGH_EXCESS);
@@ -68,7 +69,7 @@ impl<'a> State<'a> {
 
     /// Returns the root mean square of the error at the vertices, in the units of the data.
     pub(super) fn root_mean_square(&self) -> f64 {
-        (self.error / self.data.nrows() as f64).sqrt()
+        (self.error / self.target.total_weight()).sqrt()
     }
 
     pub(super) fn into_parts(self) -> (Vec<u32>, Mat<f64>) {
@@ -118,7 +119,8 @@ impl<'a> State<'a> {
 
     /// Returns the vertices most worth a knot: up to `count`, best first, one in a cell.
     pub(super) fn most_wanted(&self, count: usize) -> Vec<u32> {
-        let residual = self.data - &self.fitted;
+        let mut residual = &self.target.data - &self.fitted;
+        self.target.weigh_twice(&mut residual);
         let gradient = self.system.solve_free(residual);
         let cells = self.graph.cells(self.knots());
         let mut best: Vec<(f64, u32)> = vec![(0.0, 0); self.knots().len()];
@@ -153,10 +155,10 @@ impl<'a> State<'a> {
         // Only what lost knots is compared with another set; what gained some is about to lose them.
         let compared = !removed.is_empty();
         let moves = self.moves + 1;
-        let probes = Probes::estimate(&system, self.data.nrows(), self.seed.wrapping_add(moves));
+        let probes = Probes::estimate(&system, self.target, self.seed.wrapping_add(moves));
         let mut state = Self {
             space: self.space,
-            data: self.data,
+            target: self.target,
             graph: self.graph.clone(),
             seed: self.seed,
             moves,
@@ -172,14 +174,15 @@ impl<'a> State<'a> {
     /// Fits the knots, from the present spline on.
     fn fit(&mut self, excess: f64) {
         let (fitted, _) = self.system.least_squares(
-            self.data,
+            self.target,
             &self.fitted,
             &self.probes.scale,
             excess,
             ROUND_ITERATIONS,
         );
         self.fitted = fitted;
-        let residual = self.data - &self.fitted;
+        let mut residual = &self.target.data - &self.fitted;
+        self.target.weigh(&mut residual);
         self.error = residual.squared_norm_l2();
     }
 }

@@ -8,7 +8,7 @@ use msplines_common::mesh::{TriangleMesh, zoo};
 use msplines_common::progress::{Outcome, unobserved};
 use proptest::prelude::*;
 
-use super::{centred, dense, dense_solve, largest, positions, space, spread_knots};
+use super::{centred, dense, dense_solve, largest, positions, space, spread_knots, target};
 use crate::knot_values::KnotValues;
 use crate::select::probe_scale;
 use crate::{FitError, KnotChoice, Laplacian, Options, Space, fit, interpolate};
@@ -50,8 +50,9 @@ fn knot_value_fit_equals_the_orthogonal_projection() {
         let multipliers = dense_solve(&(&rows * rows.transpose()), &(&rows * &data));
         let projected = &data - rows.transpose() * multipliers;
         let system = KnotValues::factor(&space, knots).unwrap();
-        let scale = probe_scale(&system, 1);
-        let (f, report) = system.least_squares(&data, &data, &scale, 1e-22, 300);
+        let target = target(&mesh);
+        let scale = probe_scale(&system, &target, 1);
+        let (f, report) = system.least_squares(&target, &data, &scale, 1e-22, 300);
         assert!(report.converged);
         assert!(largest(&(f - projected)) < TOLERANCE * largest(&data));
     }

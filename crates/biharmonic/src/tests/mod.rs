@@ -1,14 +1,18 @@
 //! Laws and independent routes to the same numbers.
 
+mod creases;
 mod evaluation;
 mod fitting;
 mod selection;
+mod weights;
 
 use std::sync::Arc;
 
+use msplines_common::evaluate::VertexData;
 use msplines_common::linalg::Mat;
 use msplines_common::mesh::TriangleMesh;
 
+use crate::target::Centred;
 use crate::{Laplacian, Space};
 
 /// Returns the positions of a mesh, vertex after vertex.
@@ -21,11 +25,16 @@ fn positions(mesh: &TriangleMesh) -> Vec<f64> {
 
 /// Returns the positions less their mean, as a matrix.
 fn centred(mesh: &TriangleMesh) -> Mat<f64> {
-    let n = mesh.vertex_count();
-    let values = positions(mesh);
-    let mean = |c: usize| (0..n).map(|v| values[3 * v + c]).sum::<f64>() / n as f64;
-    let means = [mean(0), mean(1), mean(2)];
-    Mat::from_fn(n, 3, |v, c| values[3 * v + c] - means[c])
+    target(mesh).data
+}
+
+/// Returns the positions as the target of a fit.
+fn target(mesh: &TriangleMesh) -> Centred {
+    let data = VertexData {
+        dimension: 3,
+        values: &positions(mesh),
+    };
+    Centred::check(mesh.vertex_count(), &data.into()).unwrap()
 }
 
 fn space(mesh: &TriangleMesh) -> Space {

@@ -145,6 +145,18 @@ impl SymmetricMatrix {
         result
     }
 
+    /// Adds `(row, column, value)` to stored entries; a symmetric change names both halves.
+    ///
+    /// # Panics
+    /// If an entry is not stored.
+    pub fn add_to_entries(&mut self, entries: &[(u32, u32, f64)]) {
+        for &(row, column, value) in entries {
+            let range = self.starts[column as usize]..self.starts[column as usize + 1];
+            let at = self.rows[range.clone()].binary_search(&row);
+            self.values[range.start + at.expect("a stored entry")] += value;
+        }
+    }
+
     /// Returns `S D S` of this matrix `S` and the diagonal `D`.
     ///
     /// # Panics
@@ -349,6 +361,17 @@ mod tests {
         );
         assert_eq!(matrix.column(0).collect::<Vec<_>>(), [(0, 1.0), (1, 5.0)]);
         assert_eq!(matrix.column(1).collect::<Vec<_>>(), [(0, 5.0), (1, 4.0)]);
+    }
+
+    #[test]
+    fn entries_are_added_where_they_are_stored() {
+        let mut matrix = path_laplacian(4);
+        matrix.add_to_entries(&[(1, 2, 5.0), (2, 1, 5.0), (3, 3, 0.5)]);
+        assert_eq!(
+            matrix.column(2).collect::<Vec<_>>(),
+            [(1, 4.0), (2, 2.0), (3, -1.0)]
+        );
+        assert_eq!(matrix.diagonal(), [1.0, 2.0, 2.0, 1.5]);
     }
 
     #[test]

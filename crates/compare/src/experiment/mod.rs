@@ -342,11 +342,11 @@ mod tests {
             .case(input, &Ancestors::default())
             .expect("a good case");
         assert_eq!(case.subdivide, 1);
-        let Method::Biharmonic { knots, effort, .. } = case.method else {
+        let Method::Biharmonic(method) = case.method else {
             panic!("another method");
         };
-        assert_eq!(knots, Knots::Optimised(Amount::Fraction(0.05)));
-        assert_eq!(effort, msplines_biharmonic::Effort::Fast);
+        assert_eq!(method.knots, Knots::Optimised(Amount::Fraction(0.05)));
+        assert_eq!(method.effort, msplines_biharmonic::Effort::Fast);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::case::{Amount, AmountError, Case, Data, Input, Knots, Method};
+use crate::case::{Amount, AmountError, Case, CaseCreases, Data, Input, Knots, Method};
 
 /// One row of an experiment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,6 +30,10 @@ pub struct Row {
     /// What is fitted.
     #[serde(default)]
     pub data: RowData,
+    /// How knots are chosen; the method's default where absent.
+    pub selection: Option<msplines_biharmonic::Selection>,
+    /// Degrees beyond which edges are creases; none where absent.
+    pub creases: Option<f64>,
     /// Effort of the knot optimisation; the method's default where absent.
     pub effort: Option<msplines_biharmonic::Effort>,
     /// Rounds of midpoint subdivision at whose vertices the spline is evaluated.
@@ -196,8 +200,12 @@ impl Row {
             (MethodName::Biharmonic, None) => Method::biharmonic(asked.parse()?),
             (MethodName::LsMesh, _) => Method::ls_mesh(asked.parse()?),
         };
-        if let (Method::Biharmonic { effort, .. }, Some(asked)) = (&mut method, self.effort) {
-            *effort = asked;
+        if let Method::Biharmonic(method) = &mut method {
+            method.effort = self.effort.unwrap_or(method.effort);
+            method.selection = self.selection.unwrap_or(method.selection);
+            if let Some(degrees) = self.creases {
+                method.creases = CaseCreases::SharperThan(degrees);
+            }
         }
         let data = match self.data {
             RowData::Positions => Data::Positions,

@@ -76,7 +76,10 @@ fn counts(vertices: usize, aspect: f64, least: [u32; 2]) -> [u32; 2] {
     [columns.max(least[0]), rows]
 }
 
-fn periodic_grid(counts: [u32; 2], place: impl Fn(f64, f64) -> Point3<f64>) -> TriangleMesh {
+pub(super) fn periodic_grid(
+    counts: [u32; 2],
+    place: impl Fn(f64, f64) -> Point3<f64>,
+) -> TriangleMesh {
     grid(counts, [true, true], place)
 }
 

@@ -6,10 +6,12 @@
 mod grid;
 mod implicit;
 mod round;
+mod sharp;
 
 pub use grid::{cylinder, height_field, torus, torus_knot};
 pub use implicit::genus;
 pub use round::{bumpy_sphere, sphere};
+pub use sharp::{cube, nut};
 
 use nalgebra::Point3;
 

@@ -3,17 +3,20 @@
 //! Numbers are written with the shortest digits that read back to the same bits, so a spline
 //! loses nothing in a file. Knots and control vertices are listed, so that anyone can count them.
 
+mod biharmonic;
+
 use std::io::Write;
 use std::path::Path;
-use std::sync::Arc;
 
-use msplines_biharmonic::{BiharmonicSpline, Extension, Laplacian};
+use msplines_biharmonic::Extension;
 use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
 use msplines_ls_mesh::{Constraints, LsMesh};
 use serde::{Deserialize, Serialize};
 
 use crate::error::SplineFileError;
+
+pub use biharmonic::StoredBiharmonic;
 
 /// The schema of [`SplineFile`].
 pub const SPLINE_SCHEMA: &str = "msplines.spline/1";
@@ -91,19 +94,8 @@ impl StoredMesh {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "method", content = "data", rename_all = "kebab-case")]
 pub enum StoredSpline {
-    /// Implicit form of a biharmonic B-spline.
-    Biharmonic {
-        /// Components of a value.
-        dimension: usize,
-        /// Discrete Laplacian of the domain.
-        laplacian: Laplacian,
-        /// Vertices that are knots.
-        knots: Vec<u32>,
-        /// Coefficients of the Green's functions, `[knot][component]`.
-        coefficients: Vec<f64>,
-        /// The constant that is added.
-        constant: Vec<f64>,
-    },
+    /// A biharmonic B-spline.
+    Biharmonic(StoredBiharmonic),
     /// Control vertices of a least-squares mesh.
     LsMesh {
         /// Components of a value.
@@ -118,18 +110,6 @@ pub enum StoredSpline {
 }
 
 impl StoredSpline {
-    /// Returns the stored form of a biharmonic B-spline.
-    #[must_use]
-    pub fn of_biharmonic(spline: &BiharmonicSpline, laplacian: Laplacian) -> Self {
-        Self::Biharmonic {
-            dimension: spline.dimension(),
-            laplacian,
-            knots: spline.knots().to_vec(),
-            coefficients: spline.coefficients().to_vec(),
-            constant: spline.constant().to_vec(),
-        }
-    }
-
     /// Returns the stored form of a least-squares mesh.
     #[must_use]
     pub fn of_ls_mesh(spline: &LsMesh, constraints: Constraints) -> Self {
@@ -145,7 +125,7 @@ impl StoredSpline {
     #[must_use]
     pub fn method(&self) -> &'static str {
         match self {
-            Self::Biharmonic { .. } => "biharmonic",
+            Self::Biharmonic(_) => "biharmonic",
             Self::LsMesh { .. } => "ls-mesh",
         }
     }
@@ -154,7 +134,8 @@ impl StoredSpline {
     #[must_use]
     pub fn dimension(&self) -> usize {
         match self {
-            Self::Biharmonic { dimension, .. } | Self::LsMesh { dimension, .. } => *dimension,
+            Self::Biharmonic(spline) => spline.dimension,
+            Self::LsMesh { dimension, .. } => *dimension,
         }
     }
 
@@ -162,7 +143,7 @@ impl StoredSpline {
     #[must_use]
     pub fn knots(&self) -> &[u32] {
         match self {
-            Self::Biharmonic { knots, .. } => knots,
+            Self::Biharmonic(spline) => &spline.knots,
             Self::LsMesh { controls, .. } => controls,
         }
     }
@@ -177,23 +158,9 @@ impl StoredSpline {
         mesh: &TriangleMesh,
         rounds: u32,
     ) -> Result<(TriangleMesh, Vec<f64>), SplineFileError> {
-        self.check(mesh.vertex_count())?;
         match self {
-            Self::Biharmonic {
-                dimension,
-                laplacian,
-                knots,
-                coefficients,
-                constant,
-            } => {
-                let spline = BiharmonicSpline::from_parts(
-                    Arc::new(mesh.clone()),
-                    *laplacian,
-                    *dimension,
-                    knots.clone(),
-                    coefficients.clone(),
-                    constant.clone(),
-                )?;
+            Self::Biharmonic(stored) => {
+                let spline = stored.restore(mesh)?;
                 if rounds == 0 {
                     return Ok((mesh.clone(), spline.vertex_values()?));
                 }
@@ -206,6 +173,7 @@ impl StoredSpline {
                 control_values,
                 constraints,
             } => {
+                check_lengths(controls, *dimension, control_values, mesh.vertex_count())?;
                 let spline = LsMesh::from_parts(
                     mesh.clone(),
                     *constraints,
@@ -217,41 +185,31 @@ impl StoredSpline {
             }
         }
     }
+}
 
-    fn check(&self, vertices: usize) -> Result<(), SplineFileError> {
-        let (dimension, knots) = (self.dimension(), self.knots());
-        let (values, others): (&[f64], &[f64]) = match self {
-            Self::Biharmonic {
-                coefficients,
-                constant,
-                ..
-            } => (coefficients, constant),
-            Self::LsMesh { control_values, .. } => (control_values, &[]),
-        };
-        let constants = if matches!(self, Self::Biharmonic { .. }) {
-            dimension
-        } else {
-            0
-        };
-        let expected = knots.len().checked_mul(dimension);
-        if dimension == 0 || expected != Some(values.len()) || others.len() != constants {
-            return Err(SplineFileError::WrongLength {
-                knots: knots.len(),
-                dimension,
-                values: values.len(),
-            });
-        }
-        if let Some(&vertex) = knots.iter().find(|&&v| v as usize >= vertices) {
-            return Err(SplineFileError::NoSuchVertex { vertex, vertices });
-        }
-        let mut numbers = values.iter().chain(others);
-        match numbers.position(|x| !x.is_finite()) {
-            Some(index) => Err(SplineFileError::NotFinite {
-                what: "coefficient",
-                index,
-            }),
-            None => Ok(()),
-        }
+/// Checks that there are values for every knot, and that the knots are vertices.
+fn check_lengths(
+    knots: &[u32],
+    dimension: usize,
+    values: &[f64],
+    vertices: usize,
+) -> Result<(), SplineFileError> {
+    if dimension == 0 || knots.len().checked_mul(dimension) != Some(values.len()) {
+        return Err(SplineFileError::WrongLength {
+            knots: knots.len(),
+            dimension,
+            values: values.len(),
+        });
+    }
+    if let Some(&vertex) = knots.iter().find(|&&v| v as usize >= vertices) {
+        return Err(SplineFileError::NoSuchVertex { vertex, vertices });
+    }
+    match values.iter().position(|x| !x.is_finite()) {
+        Some(index) => Err(SplineFileError::NotFinite {
+            what: "coefficient",
+            index,
+        }),
+        None => Ok(()),
     }
 }
 
@@ -310,6 +268,7 @@ impl SplineFile {
 
 #[cfg(test)]
 mod tests {
+    use msplines_biharmonic::Laplacian;
     use proptest::prelude::*;
 
     use super::*;
@@ -322,13 +281,15 @@ mod tests {
     }
 
     fn file(coefficients: Vec<f64>) -> SplineFile {
-        let spline = StoredSpline::Biharmonic {
+        let spline = StoredSpline::Biharmonic(StoredBiharmonic {
             dimension: 1,
             laplacian: Laplacian::Cotangent,
+            creases: Vec::new(),
             knots: vec![0, 2],
-            coefficients,
-            constant: vec![0.1],
-        };
+            coefficients: Some(coefficients),
+            constant: Some(vec![0.1]),
+            knot_values: None,
+        });
         let domain = StoredDomain::Embedded {
             mesh: tetrahedron(),
         };
@@ -348,9 +309,10 @@ mod tests {
             b in any::<f64>().prop_filter("finite", |x| x.is_finite()),
         ) {
             let read = SplineFile::parse(&bytes(&file(vec![a, b]))).expect("it reads back");
-            let StoredSpline::Biharmonic { coefficients, .. } = read.spline else {
+            let StoredSpline::Biharmonic(stored) = read.spline else {
                 panic!("another method");
             };
+            let coefficients = stored.coefficients.expect("a smooth spline");
             prop_assert_eq!(coefficients[0].to_bits(), a.to_bits());
             prop_assert_eq!(coefficients[1].to_bits(), b.to_bits());
         }
@@ -392,14 +354,9 @@ mod tests {
             message(&stored),
             "the spline file lists 2 knots of 1 components but 1 values; it is damaged, fit again"
         );
-        if let StoredSpline::Biharmonic {
-            coefficients,
-            knots,
-            ..
-        } = &mut stored
-        {
-            *coefficients = vec![1.0, 2.0];
-            knots[1] = 4;
+        if let StoredSpline::Biharmonic(spline) = &mut stored {
+            spline.coefficients = Some(vec![1.0, 2.0]);
+            spline.knots[1] = 4;
         }
         assert_eq!(
             message(&stored),

@@ -1,0 +1,96 @@
+//! The stored form of a biharmonic B-spline.
+
+use std::sync::Arc;
+
+use msplines_biharmonic::{BiharmonicSpline, Creases, Form, Laplacian, Space};
+use msplines_common::mesh::TriangleMesh;
+use serde::{Deserialize, Serialize};
+
+use crate::error::SplineFileError;
+
+/// A biharmonic B-spline: its knots, and either Green's coefficients or, with creases, values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoredBiharmonic {
+    /// Components of a value.
+    pub dimension: usize,
+    /// Discrete Laplacian of the domain.
+    pub laplacian: Laplacian,
+    /// Edges across which the spline need not be smooth.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub creases: Vec<[u32; 2]>,
+    /// Vertices that are knots.
+    pub knots: Vec<u32>,
+    /// Coefficients of the Green's functions, `[knot][component]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coefficients: Option<Vec<f64>>,
+    /// The constant that is added to them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub constant: Option<Vec<f64>>,
+    /// Values at the knots, `[knot][component]`, of a spline with creases.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub knot_values: Option<Vec<f64>>,
+}
+
+impl StoredBiharmonic {
+    /// Returns the stored form of a spline.
+    #[must_use]
+    pub fn of(spline: &BiharmonicSpline) -> Self {
+        let (coefficients, constant, knot_values) = match spline.form().clone() {
+            Form::Implicit {
+                coefficients,
+                constant,
+            } => (Some(coefficients), Some(constant), None),
+            Form::KnotValues(values) => (None, None, Some(values)),
+        };
+        Self {
+            dimension: spline.dimension(),
+            laplacian: spline.space().laplacian(),
+            creases: spline.space().creases().edges().to_vec(),
+            knots: spline.knots().to_vec(),
+            coefficients,
+            constant,
+            knot_values,
+        }
+    }
+
+    /// Returns the spline on its mesh.
+    ///
+    /// # Errors
+    /// Numbers that do not fit each other or the mesh.
+    pub fn restore(&self, mesh: &TriangleMesh) -> Result<BiharmonicSpline, SplineFileError> {
+        self.check(mesh.vertex_count())?;
+        let creases = Creases::along(mesh, &self.creases)?;
+        let space = Space::with_creases(Arc::new(mesh.clone()), self.laplacian, creases)?;
+        let form = match (&self.coefficients, &self.constant, &self.knot_values) {
+            (Some(coefficients), Some(constant), None) => Form::Implicit {
+                coefficients: coefficients.clone(),
+                constant: constant.clone(),
+            },
+            (None, None, Some(values)) => Form::KnotValues(values.clone()),
+            _ => return Err(SplineFileError::Numbers),
+        };
+        let spline = BiharmonicSpline::from_parts(
+            &Arc::new(space),
+            self.dimension,
+            self.knots.clone(),
+            form,
+        )?;
+        Ok(spline)
+    }
+
+    fn check(&self, vertices: usize) -> Result<(), SplineFileError> {
+        let values = self.coefficients.iter().chain(&self.knot_values);
+        for values in values {
+            super::check_lengths(&self.knots, self.dimension, values, vertices)?;
+        }
+        match self.constant.as_ref().map_or(self.dimension, Vec::len) {
+            constants if constants == self.dimension => Ok(()),
+            constants => Err(SplineFileError::WrongLength {
+                knots: self.knots.len(),
+                dimension: self.dimension,
+                values: constants,
+            }),
+        }
+    }
+}
