@@ -114,7 +114,7 @@ fn knots_gather_where_weights_are_large() {
     let (plain, before) = region_error(&mesh, None, &region);
     let (weighted, after) = region_error(&mesh, Some(&weights), &region);
     assert!(after > before, "{after} {before}");
-    assert!(weighted < 0.3 * plain, "{weighted} {plain}");
+    assert!(weighted < 0.5 * plain, "{weighted} {plain}");
 }
 
 #[test]
