@@ -7,7 +7,7 @@ use msplines_common::progress::{Observer, Outcome, Progress};
 use serde::{Deserialize, Serialize};
 
 use crate::knot_values::KnotValues;
-use crate::select::{Selected, probe_scale, select};
+use crate::select::{Selected, Trial, probe_scale, select, select_cross_validated};
 use crate::target::{Centred, Target};
 use crate::{BiharmonicSpline, FitError, KnotChoice, Options, Space};
 
@@ -40,6 +40,8 @@ pub struct Report {
     pub eliminations: u32,
     /// Rounds of exchange, and how many of them were kept.
     pub exchanges: [u32; 2],
+    /// Numbers of knots that cross-validation tried, from many to few, with their scores.
+    pub cross_validation: Vec<Trial>,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -119,14 +121,15 @@ fn fit_centred(
     let selected = match given {
         Given::Knots(knots) => Selected::given(knots, stopped),
         Given::Count(count) => select(space, target, count, options, stopped, observer)?,
+        Given::CrossValidated => select_cross_validated(space, target, options, stopped, observer)?,
     };
+    let mut warnings = Vec::new();
     let system = KnotValues::factor(space, selected.knots)?;
     let _ = observer(&Progress::new("fit", 0, 1));
     let scale = probe_scale(&system, target, options.seed);
     let start = selected.fitted.as_ref().unwrap_or(&target.data);
     let (f, report) = system.least_squares(target, start, &scale, FIT_EXCESS, FIT_ITERATIONS);
     let _ = observer(&Progress::new("fit", 1, 1));
-    let mut warnings = Vec::new();
     if !report.converged {
         warnings.push(format!(
             "the fit stopped at a relative residual of {:.1e} after {} iterations; the knots are badly clustered",
@@ -147,6 +150,7 @@ fn fit_centred(
             residual: report.residual,
             eliminations: selected.eliminations,
             exchanges: selected.exchanges,
+            cross_validation: selected.cross_validation,
             warnings,
         },
     })
@@ -160,6 +164,7 @@ impl Report {
             residual: 0.0,
             eliminations: 0,
             exchanges: [0, 0],
+            cross_validation: Vec::new(),
             warnings: Vec::new(),
         }
     }
@@ -168,13 +173,16 @@ impl Report {
 enum Given {
     Knots(Vec<u32>),
     Count(usize),
+    CrossValidated,
 }
 
 impl Given {
+    /// Returns the number of knots as far as it is known.
     fn count(&self) -> usize {
         match self {
             Self::Knots(knots) => knots.len(),
             Self::Count(count) => *count,
+            Self::CrossValidated => 1,
         }
     }
 }
@@ -188,6 +196,7 @@ fn checked_knots(vertices: usize, choice: &KnotChoice) -> Result<Given, FitError
     };
     match choice {
         KnotChoice::All => Ok(Given::Knots((0..vertices as u32).collect())),
+        KnotChoice::CrossValidated => Ok(Given::CrossValidated),
         KnotChoice::Optimised { count } => {
             checked_count(*count)?;
             if *count == vertices {

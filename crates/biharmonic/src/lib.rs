@@ -19,6 +19,7 @@
 //! [Hou2017] §4, §5, §6.
 
 mod creases;
+mod decompose;
 mod error;
 mod fit;
 mod interpolate;
@@ -33,10 +34,12 @@ mod target;
 mod tests;
 
 pub use creases::Creases;
+pub use decompose::{DecomposeError, Decomposition, Layer, decompose};
 pub use error::FitError;
 pub use fit::{Fit, Report, fit, fit_in};
 pub use interpolate::interpolate;
 pub use options::{CreaseChoice, Effort, KnotChoice, Laplacian, Options, Selection};
+pub use select::Trial;
 pub use space::{Bilaplacian, Space};
 pub use spline::{BiharmonicSpline, Form, PartsError};
 pub use subdivision::Extension;

@@ -32,6 +32,8 @@ pub enum KnotChoice {
         /// Number of knots.
         count: usize,
     },
+    /// As many as noisy data can bear, by generalised cross-validation, at optimised places.
+    CrossValidated,
     /// These vertices.
     Given(Vec<u32>),
     /// Every vertex: the spline interpolates.

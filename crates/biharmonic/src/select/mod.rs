@@ -11,6 +11,7 @@
 //! [Hou2017] §6. Deviation: exact leave-one-out scores instead of reweighted l1 (Eq. 9, 10), at a
 //! small fraction of the time and with the number of knots met exactly.
 
+mod cross_validation;
 mod eliminate;
 mod exchange;
 mod sample;
@@ -24,6 +25,7 @@ use msplines_common::progress::{Observer, Outcome};
 use crate::target::Centred;
 use crate::{Effort, FitError, Options, Space};
 
+pub use cross_validation::Trial;
 #[cfg(test)]
 pub(crate) use scores::Probes;
 pub(crate) use scores::probe_scale;
@@ -36,6 +38,7 @@ pub(crate) struct Selected {
     pub(crate) outcome: Outcome,
     pub(crate) eliminations: u32,
     pub(crate) exchanges: [u32; 2],
+    pub(crate) cross_validation: Vec<Trial>,
 }
 
 impl Selected {
@@ -51,6 +54,7 @@ impl Selected {
             outcome,
             eliminations: 0,
             exchanges: [0, 0],
+            cross_validation: Vec::new(),
         }
     }
 }
@@ -128,6 +132,26 @@ pub(crate) fn select(
         outcome,
         eliminations,
         exchanges,
+        cross_validation: Vec::new(),
+    })
+}
+
+/// Chooses as many knots as noisy data can bear, and where.
+pub(crate) fn select_cross_validated(
+    space: &Space,
+    target: &Centred,
+    options: &Options,
+    stopped: bool,
+    observer: &mut Observer<'_>,
+) -> Result<Selected, FitError> {
+    let mut run = Run { observer, stopped };
+    let trials = cross_validation::cross_validate(space, target, options, &mut run)?;
+    let stopped = run.stopped;
+    let count = cross_validation::best_count(&trials, 1);
+    let selected = select(space, target, count, options, stopped, observer)?;
+    Ok(Selected {
+        cross_validation: trials,
+        ..selected
     })
 }
 

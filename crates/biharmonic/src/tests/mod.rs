@@ -1,6 +1,8 @@
 //! Laws and independent routes to the same numbers.
 
 mod creases;
+mod decomposition;
+mod denoising;
 mod evaluation;
 mod fitting;
 mod selection;
