@@ -38,6 +38,8 @@ pub use preflight::{Preflight, preflight};
 pub use repairs::{Affected, Repair};
 pub use soup::{PolygonSoup, VertexAttribute};
 pub use split::{SplitError, SplitMesh, split_at};
-pub use subdivision::{SubdivisionMap, edge_pieces, subdivide_loop, subdivide_midpoint};
+pub use subdivision::{
+    SubdivisionMap, edge_pieces, subdivide_butterfly, subdivide_loop, subdivide_midpoint,
+};
 pub use topology::{NONE, Topology, TopologyError};
 pub use triangle::{SurfacePoint, TriangleMesh};
