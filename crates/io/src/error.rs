@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use crate::Format;
 
-/// Why a mesh file cannot be read: the file, the place, what is wrong and what to do.
+/// Why a file cannot be read: the file, the place, what is wrong and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
@@ -19,7 +19,7 @@ pub enum ReadError {
         source: io::Error,
     },
     /// The file has no bytes.
-    #[error("{} is empty; export the mesh again", path.display())]
+    #[error("{} is empty; export it again", path.display())]
     Empty {
         /// The file.
         path: PathBuf,

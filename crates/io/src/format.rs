@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
-use crate::{off, ply, stl};
+use crate::{npy, off, ply, stl};
 
 /// A format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +17,8 @@ pub enum Format {
     Ply,
     /// Stereolithography STL.
     Stl,
+    /// NumPy's array, which is no mesh.
+    Npy,
 }
 
 impl Format {
@@ -28,6 +30,8 @@ impl Format {
             Some(Self::Ply)
         } else if off::has_magic(bytes) {
             Some(Self::Off)
+        } else if npy::has_magic(bytes) {
+            Some(Self::Npy)
         } else if stl::has_magic(bytes) {
             Some(Self::Stl)
         } else {
@@ -53,6 +57,7 @@ impl fmt::Display for Format {
             Self::Off => "OFF",
             Self::Ply => "PLY",
             Self::Stl => "STL",
+            Self::Npy => "npy",
         })
     }
 }

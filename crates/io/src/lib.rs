@@ -1,4 +1,4 @@
-//! Readers and writers of surface meshes.
+//! Readers and writers of surface meshes and of arrays.
 //!
 //! [`read_soup`] takes OBJ, OFF, PLY and STL files and returns what they say, in file order, with
 //! nothing about the mesh checked: an index may lie outside, a coordinate may be NaN. Whether the
@@ -9,6 +9,8 @@
 //! [`write_surface`] writes PLY, OBJ, VTU and glb. Every file is written beside its target and
 //! renamed, so that a target is whole or absent, and the same surface gives the same bytes.
 //!
+//! [`read_npy`] and [`write_npy`] take arrays of numbers from and to NumPy, under the same rules.
+//!
 //! | format | read | write | coordinates written | attributes written |
 //! |---|---|---|---|---|
 //! | PLY | text, both binary orders, strips | binary, little-endian | double | all |
@@ -17,11 +19,13 @@
 //! | STL | text, binary | | | |
 //! | VTU | | XML with base64 data | double | all |
 //! | glb | | glTF 2.0 | single | colours |
+//! | npy | floating-point and whole numbers, both byte orders | binary | double | |
 
 mod digest;
 mod error;
 mod format;
 mod glb;
+mod npy;
 mod obj;
 mod off;
 mod output;
@@ -34,5 +38,6 @@ mod vtu;
 pub use digest::sha256_file;
 pub use error::{Place, ReadError};
 pub use format::Format;
+pub use npy::{Array, parse_npy, read_npy, write_npy};
 pub use output::{OutputFormat, Surface, WriteError, write_atomically, write_surface};
 pub use read::{parse_soup, read_points, read_soup};

@@ -6,7 +6,7 @@ use std::path::Path;
 use msplines_common::mesh::PolygonSoup;
 use nalgebra::Point3;
 
-use crate::{Format, ReadError, obj, off, ply, stl};
+use crate::{Format, ReadError, npy, obj, off, ply, stl};
 
 /// Returns the positions, polygons and vertex attributes of a file, in file order.
 ///
@@ -29,7 +29,8 @@ pub fn read_points(path: &Path) -> Result<Vec<Point3<f64>>, ReadError> {
     Ok(soup.positions)
 }
 
-fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
+/// Returns the content of a file.
+pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
     fs::read(path).map_err(|source| ReadError::Open {
         path: path.to_owned(),
         source,
@@ -69,6 +70,7 @@ fn parse_any(path: &Path, bytes: &[u8]) -> Result<(Format, PolygonSoup), ReadErr
         Format::Off => off::parse(bytes),
         Format::Ply => ply::parse(bytes),
         Format::Stl => stl::parse(bytes),
+        Format::Npy => Err(npy::no_mesh()),
     };
     let soup = parsed.map_err(|fault| fault.in_file(path.to_owned(), format))?;
     check_size(path, format, &soup)?;

@@ -4,7 +4,8 @@
 
 use std::path::Path;
 
-use msplines_io::parse_soup;
+use msplines_common::mesh::PolygonSoup;
+use msplines_io::{Array, ReadError, parse_npy, parse_soup};
 use peak_alloc::PeakAlloc;
 use proptest::prelude::*;
 
@@ -39,6 +40,17 @@ fn seeds() -> Vec<(&'static str, Vec<u8>)> {
     };
     let mut text = ply("ascii");
     text.extend(b"0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2\n3 2 1 0\n5 0 1 2 -1 1\n");
+    let npy = |shape: &str| {
+        let header = format!("{{'descr': '>i2', 'fortran_order': True, 'shape': {shape}, }}\n");
+        let length = [header.len() as u8, 0];
+        [
+            b"\x93NUMPY\x01\x00",
+            &length[..],
+            header.as_bytes(),
+            &[7; 12],
+        ]
+        .concat()
+    };
     let mut stl = b"solid".to_vec();
     stl.resize(80, 0);
     stl.extend([2, 0, 0, 0]);
@@ -65,6 +77,8 @@ fn seeds() -> Vec<(&'static str, Vec<u8>)> {
             "a.off",
             b"COFF\n3 1 0\n0 0 0 1 2 3\n1 0 0 1 2 3\n0 1 0 1 2 3\n3 0 1 2\n".to_vec(),
         ),
+        ("a.npy", npy("(2, 3)")),
+        ("a.npy", npy("(3, 1, 2)")),
     ]
 }
 
@@ -129,6 +143,21 @@ fn apply(damage: &Damage, file: &mut Vec<u8>) {
     }
 }
 
+/// What a file holds.
+#[derive(Debug)]
+enum Content {
+    Soup(PolygonSoup),
+    Array(Array),
+}
+
+fn parse(path: &Path, file: &[u8]) -> Result<Content, ReadError> {
+    if path.extension().is_some_and(|extension| extension == "npy") {
+        parse_npy(path, file).map(Content::Array)
+    } else {
+        parse_soup(path, file).map(Content::Soup)
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig {
         cases: 10_000, failure_persistence: None, ..ProptestConfig::default()
@@ -136,24 +165,28 @@ proptest! {
 
     #[test]
     fn damage_is_answered_in_bounded_memory(
-        which in 0..7usize,
+        which in 0..9usize,
         damage in prop::collection::vec(damages(), 0..4),
     ) {
         let (name, mut file) = seeds().swap_remove(which);
         damage.iter().for_each(|damage| apply(damage, &mut file));
         let before = ALLOCATOR.current_usage();
         ALLOCATOR.reset_peak_usage();
-        let answer = parse_soup(Path::new(name), &file);
+        let answer = parse(Path::new(name), &file);
         let used = ALLOCATOR.peak_usage() - before;
         prop_assert!(answer.is_ok() || !damage.is_empty(), "{answer:?}");
         prop_assert!(used <= SLACK + BYTES_PER_BYTE * file.len(), "{used} for {}", file.len());
         match answer {
-            Ok(soup) => {
+            Ok(Content::Soup(soup)) => {
                 prop_assert_eq!(soup.face_offsets.last(), Some(&soup.face_vertices.len()));
                 prop_assert!(soup.face_offsets.is_sorted());
                 for attribute in &soup.attributes {
                     prop_assert_eq!(attribute.values.len(), soup.positions.len());
                 }
+            }
+            Ok(Content::Array(array)) => {
+                let count = array.shape.iter().fold(1, |product: usize, &n| product.saturating_mul(n));
+                prop_assert_eq!(array.values.len(), count);
             }
             Err(error) => prop_assert!(error.to_string().contains(name)),
         }

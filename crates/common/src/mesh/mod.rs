@@ -19,6 +19,7 @@ mod repair;
 mod repairs;
 mod sanity;
 mod soup;
+mod split;
 mod subdivision;
 mod topology;
 mod triangle;
@@ -36,6 +37,9 @@ pub use facts::{Facts, Range};
 pub use preflight::{Preflight, preflight};
 pub use repairs::{Affected, Repair};
 pub use soup::{PolygonSoup, VertexAttribute};
-pub use subdivision::{SubdivisionMap, edge_pieces, subdivide_loop, subdivide_midpoint};
+pub use split::{SplitError, SplitMesh, split_at};
+pub use subdivision::{
+    SubdivisionMap, edge_pieces, subdivide_butterfly, subdivide_loop, subdivide_midpoint,
+};
 pub use topology::{NONE, Topology, TopologyError};
 pub use triangle::{SurfacePoint, TriangleMesh};

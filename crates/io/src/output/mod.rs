@@ -53,7 +53,7 @@ impl OutputFormat {
     }
 }
 
-/// Why a surface cannot be written.
+/// Why a surface or an array cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
@@ -110,6 +110,17 @@ pub enum WriteError {
     AttributeName {
         /// The name.
         name: String,
+    },
+    /// An array has no or too many dimensions, or not the values that its shape says.
+    #[error(
+        "an array of shape {shape:?} with {values} values cannot be written; give one to three \
+         dimensions whose product is the number of values"
+    )]
+    ArrayShape {
+        /// The shape.
+        shape: Vec<usize>,
+        /// How many values there are.
+        values: usize,
     },
     /// The file would be larger than its format can say.
     #[error("a glb file of {bytes} bytes is beyond its limit of 4 GiB; write .vtu or .ply")]

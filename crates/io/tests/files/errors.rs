@@ -23,7 +23,7 @@ fn a_refusal_names_the_file_and_the_remedy() {
         (
             refusal("a.ply", "").to_string(),
             "a.ply is empty",
-            "export the mesh again",
+            "export it again",
         ),
         (
             refusal("a.step", "ISO-10303").to_string(),

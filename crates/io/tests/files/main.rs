@@ -4,6 +4,7 @@ mod common;
 mod errors;
 mod libraries;
 mod models;
+mod npy;
 mod obj;
 mod off;
 mod output;
