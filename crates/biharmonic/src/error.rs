@@ -1,6 +1,7 @@
 //! Why there is no spline.
 
 use msplines_common::linalg::{FactorError, OrderingError};
+use msplines_common::mesh::SplitError;
 use msplines_common::operators::PoissonError;
 use msplines_common::operators::intrinsic::IntrinsicError;
 
@@ -80,6 +81,20 @@ pub enum FitError {
         /// Knots asked for.
         knots: usize,
     },
+    /// Knots were given at points that are not on the mesh.
+    #[error(transparent)]
+    Points(#[from] SplitError),
+    /// Two knots were given at one place.
+    #[error("knots {first} and {second} are at the same place; give each knot once")]
+    CoincidentKnots {
+        /// Index of one point.
+        first: usize,
+        /// Index of the other.
+        second: usize,
+    },
+    /// Knots at points of the domain come with a space of their own.
+    #[error("this space was built without the points that are to be knots; build it with them")]
+    PointsOutsideSpace,
     /// The data does not fit the mesh.
     #[error(
         "{values} values were given for {vertices} vertices of dimension {dimension}; give {vertices} × {dimension} values"

@@ -69,14 +69,26 @@ pub fn fit<'a>(
     let creases = options.creases.on(mesh)?;
     checked_knots(mesh.vertex_count(), &options.knots)?;
     let target = Centred::check(mesh.vertex_count(), &target.into())?;
-    let space = Space::with_creases(Arc::new(mesh.clone()), options.laplacian, creases)?;
-    fit_centred(&Arc::new(space), &target, options, stopped, observer)
+    let domain = Arc::new(mesh.clone());
+    let KnotChoice::At(points) = &options.knots else {
+        let space = Space::with_creases(domain, options.laplacian, creases)?;
+        return fit_centred(&Arc::new(space), &target, options, stopped, observer);
+    };
+    let (space, vertices) = Space::with_points(domain, points, options.laplacian, &creases)?;
+    check_apart(&vertices)?;
+    let options = Options {
+        knots: KnotChoice::Given(vertices),
+        ..options.clone()
+    };
+    let target = target.on(&space);
+    fit_centred(&Arc::new(space), &target, &options, stopped, observer)
 }
 
 /// Fits a spline in a space that is there already, to data with weights.
 ///
 /// As [`fit`], but what depends on the mesh alone is shared with all other fits in this space. The
-/// Laplacian and the creases are those of the space, whatever `options` say.
+/// Laplacian, the creases and the points that can be knots are those of the space, whatever
+/// `options` say.
 ///
 /// # Reference
 /// [Hou2017] Alg. 2, Eq. (11), Eq. (13). Deviation: knots by backward elimination and exchange.
@@ -90,7 +102,7 @@ pub fn fit_in<'a>(
     observer: &mut Observer<'_>,
 ) -> Result<Fit, FitError> {
     let stopped = observer(&Progress::new("domain", 0, 1)).is_break();
-    let target = Centred::check(space.mesh().vertex_count(), &target.into())?;
+    let target = Centred::check(space.domain().vertex_count(), &target.into())?.on(space);
     fit_centred(space, &target, options, stopped, observer)
 }
 
@@ -121,6 +133,7 @@ fn fit_centred(
     let selected = match given {
         Given::Knots(knots) => Selected::given(knots, stopped),
         Given::Count(count) => select(space, target, count, options, stopped, observer)?,
+        Given::Points => return Err(FitError::PointsOutsideSpace),
         Given::CrossValidated => select_cross_validated(space, target, options, stopped, observer)?,
     };
     let mut warnings = Vec::new();
@@ -156,6 +169,17 @@ fn fit_centred(
     })
 }
 
+/// Checks that no two points have become the same vertex.
+fn check_apart(vertices: &[u32]) -> Result<(), FitError> {
+    let mut order: Vec<usize> = (0..vertices.len()).collect();
+    order.sort_by_key(|&point| (vertices[point], point));
+    let same = |pair: &&[usize]| vertices[pair[0]] == vertices[pair[1]];
+    match order.windows(2).find(same) {
+        Some(&[first, second]) => Err(FitError::CoincidentKnots { first, second }),
+        _ => Ok(()),
+    }
+}
+
 impl Report {
     fn direct() -> Self {
         Self {
@@ -174,6 +198,7 @@ enum Given {
     Knots(Vec<u32>),
     Count(usize),
     CrossValidated,
+    Points,
 }
 
 impl Given {
@@ -182,7 +207,7 @@ impl Given {
         match self {
             Self::Knots(knots) => knots.len(),
             Self::Count(count) => *count,
-            Self::CrossValidated => 1,
+            Self::CrossValidated | Self::Points => 1,
         }
     }
 }
@@ -197,6 +222,11 @@ fn checked_knots(vertices: usize, choice: &KnotChoice) -> Result<Given, FitError
     match choice {
         KnotChoice::All => Ok(Given::Knots((0..vertices as u32).collect())),
         KnotChoice::CrossValidated => Ok(Given::CrossValidated),
+        // Only a fit that builds the space itself can split faces.
+        KnotChoice::At(points) => {
+            checked_count(points.len().min(vertices))?;
+            Ok(Given::Points)
+        }
         KnotChoice::Optimised { count } => {
             checked_count(*count)?;
             if *count == vertices {

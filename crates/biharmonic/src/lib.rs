@@ -25,6 +25,7 @@ mod fit;
 mod interpolate;
 mod knot_values;
 mod options;
+mod points;
 mod select;
 mod space;
 mod spline;

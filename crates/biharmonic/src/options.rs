@@ -1,6 +1,6 @@
 //! What can be chosen about a fit.
 
-use msplines_common::mesh::TriangleMesh;
+use msplines_common::mesh::{SurfacePoint, TriangleMesh};
 use serde::{Deserialize, Serialize};
 
 use crate::{Creases, FitError};
@@ -9,7 +9,7 @@ use crate::{Creases, FitError};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Which vertices are knots.
+    /// Which points are knots.
     pub knots: KnotChoice,
     /// How the places of the knots are chosen.
     pub selection: Selection,
@@ -23,8 +23,8 @@ pub struct Options {
     pub seed: u64,
 }
 
-/// Which vertices are knots.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// Which points are knots.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum KnotChoice {
     /// So many knots at optimised places.
@@ -36,6 +36,8 @@ pub enum KnotChoice {
     CrossValidated,
     /// These vertices.
     Given(Vec<u32>),
+    /// These points of the surface, at vertices or not.
+    At(Vec<SurfacePoint>),
     /// Every vertex: the spline interpolates.
     All,
 }

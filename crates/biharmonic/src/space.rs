@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use msplines_common::linalg::{Mat, Ordering, Symbolic, SymmetricMatrix};
-use msplines_common::mesh::TriangleMesh;
+use msplines_common::mesh::{SplitMesh, SurfacePoint, TriangleMesh, split_at};
 use msplines_common::operators::intrinsic::intrinsic_delaunay;
 use msplines_common::operators::{Operators, Poisson, assemble, mesh_operators};
 
@@ -15,6 +15,9 @@ use crate::{Creases, FitError, Laplacian};
 /// elimination order (for fitting), the factor of the Laplacian (for evaluation).
 #[derive(Debug)]
 pub struct Space {
+    domain: Arc<TriangleMesh>,
+    /// How the mesh lies on the domain, where knots have become vertices.
+    split: Option<SplitMesh>,
     mesh: Arc<TriangleMesh>,
     laplacian: Laplacian,
     creases: Creases,
@@ -52,12 +55,48 @@ impl Space {
         laplacian: Laplacian,
         creases: Creases,
     ) -> Result<Self, FitError> {
+        Self::on(Arc::clone(&mesh), None, mesh, laplacian, creases)
+    }
+
+    /// Builds the space of splines whose knots may be these points of a connected mesh, and returns
+    /// the vertex of the split mesh that each point has become.
+    ///
+    /// Faces are split there; the surface stays as it is. Creases are edges of the unsplit mesh.
+    ///
+    /// # Reference
+    /// [Hou2017] §5. Deviation: several points in one face are triangulated by constrained Delaunay.
+    ///
+    /// # Errors
+    /// Points that are not on the mesh, or a mesh of several components or with faces without area.
+    pub fn with_points(
+        domain: Arc<TriangleMesh>,
+        points: &[SurfacePoint],
+        laplacian: Laplacian,
+        creases: &Creases,
+    ) -> Result<(Self, Vec<u32>), FitError> {
+        let split = split_at(&domain, points)?;
+        let vertices = split.vertices.clone();
+        let mesh = Arc::new(split.mesh.clone());
+        let creases = Creases::along(&mesh, &split.edges(creases.edges()))?;
+        let space = Self::on(domain, Some(split), mesh, laplacian, creases)?;
+        Ok((space, vertices))
+    }
+
+    fn on(
+        domain: Arc<TriangleMesh>,
+        split: Option<SplitMesh>,
+        mesh: Arc<TriangleMesh>,
+        laplacian: Laplacian,
+        creases: Creases,
+    ) -> Result<Self, FitError> {
         let components = mesh.topology().components().1;
         if components != 1 {
             return Err(FitError::NotConnected { components });
         }
         let operators = operators(&mesh, laplacian)?;
         Ok(Self {
+            domain,
+            split,
             mesh,
             laplacian,
             creases,
@@ -67,7 +106,28 @@ impl Space {
         })
     }
 
-    /// Returns the mesh.
+    /// Returns the mesh that data belong to and that addresses points.
+    #[must_use]
+    pub fn domain(&self) -> &Arc<TriangleMesh> {
+        &self.domain
+    }
+
+    /// Returns the places on the domain of the vertices that the mesh has beyond it.
+    #[must_use]
+    pub fn added_points(&self) -> &[SurfacePoint] {
+        self.split.as_ref().map_or(&[], |split| &split.places)
+    }
+
+    /// Returns the place on the mesh of a point of the domain.
+    pub(crate) fn locate(&self, point: SurfacePoint) -> SurfacePoint {
+        match &self.split {
+            Some(split) => split.locate(point),
+            None => point,
+        }
+    }
+
+    /// Returns the mesh whose vertices can be knots: the domain, with some of its points as further
+    /// vertices.
     #[must_use]
     pub fn mesh(&self) -> &Arc<TriangleMesh> {
         &self.mesh

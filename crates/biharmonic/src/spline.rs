@@ -2,19 +2,13 @@
 
 use std::sync::{Arc, OnceLock};
 
-use msplines_common::evaluate::{Domain, EvaluateError, Evaluator, Order, Samples, SurfaceSpline};
+use msplines_common::evaluate::EvaluateError;
 use msplines_common::linalg::Mat;
-use msplines_common::mesh::{SurfacePoint, TriangleMesh};
+use msplines_common::mesh::TriangleMesh;
 
 use crate::Space;
 use crate::knot_values::KnotValues;
 use crate::subdivision::{Extension, extend};
-
-/// Rounds of planar subdivision on whose vertices points inside of faces are evaluated.
-const POINT_ROUNDS: u32 = 1;
-
-/// Barycentric coordinates may differ from a partition of one by so much.
-const BARYCENTRIC_TOLERANCE: f64 = 1e-9;
 
 /// Why parts do not make a spline.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -184,7 +178,7 @@ impl BiharmonicSpline {
         &self.form
     }
 
-    /// Returns the spline at all vertices, n × d, vertex after vertex.
+    /// Returns the spline at all vertices of its domain, n × d, vertex after vertex.
     ///
     /// Two solves with the Laplacian, which is factored on first use; with creases a factorisation.
     ///
@@ -195,11 +189,13 @@ impl BiharmonicSpline {
     /// A Laplacian that cannot be factored.
     pub fn vertex_values(&self) -> Result<Vec<f64>, EvaluateError> {
         let f = self.at_vertices()?;
-        Ok(row_major(f, &self.offset()))
+        let mut values = row_major(f, &self.offset());
+        values.truncate(self.space.domain().vertex_count() * self.dimension);
+        Ok(values)
     }
 
-    /// Returns the planar subdivision of the domain after some rounds, and the spline at its
-    /// vertices (n' × d).
+    /// Returns the planar subdivision of the mesh after some rounds, and the spline at its vertices
+    /// (n' × d). With knots inside faces the mesh is that of [`Space::mesh`], where they are vertices.
     ///
     /// Each round splits every edge at its midpoint. One factorisation and one solve for all new
     /// vertices.
@@ -222,15 +218,9 @@ impl BiharmonicSpline {
             return Ok(ready);
         }
         let f = match &self.form {
-            Form::Implicit { coefficients, .. } => {
+            Form::Implicit { .. } => {
                 let poisson = self.space.poisson().map_err(unsolvable)?;
-                let mut w = Mat::zeros(self.space.mesh().vertex_count(), self.dimension);
-                for (k, &knot) in self.knots.iter().enumerate() {
-                    for c in 0..self.dimension {
-                        w[(knot as usize, c)] = coefficients[k * self.dimension + c];
-                    }
-                }
-                poisson.solve_biharmonic(w)
+                poisson.solve_biharmonic(self.spread_coefficients())
             }
             Form::KnotValues(values) => {
                 let system =
@@ -243,6 +233,20 @@ impl BiharmonicSpline {
             }
         };
         Ok(self.vertex_values.get_or_init(|| f))
+    }
+
+    /// Returns the Green's coefficients at all vertices, zero where there is no knot, and everywhere
+    /// with creases.
+    pub(crate) fn spread_coefficients(&self) -> Mat<f64> {
+        let mut w = Mat::zeros(self.space.mesh().vertex_count(), self.dimension);
+        if let Form::Implicit { coefficients, .. } = &self.form {
+            for (k, &knot) in self.knots.iter().enumerate() {
+                for c in 0..self.dimension {
+                    w[(knot as usize, c)] = coefficients[k * self.dimension + c];
+                }
+            }
+        }
+        w
     }
 
     /// Returns what [`Self::at_vertices`] leaves out: the mean over the vertices, or over the knots.
@@ -280,7 +284,7 @@ fn implicit_form(space: &Space, knots: &[u32], f: &Mat<f64>, mean: &[f64]) -> Fo
     }
 }
 
-fn unsolvable(error: impl std::fmt::Display) -> EvaluateError {
+pub(crate) fn unsolvable(error: impl std::fmt::Display) -> EvaluateError {
     EvaluateError::Unsolvable {
         reason: error.to_string(),
     }
@@ -292,107 +296,4 @@ fn row_major(f: &Mat<f64>, constant: &[f64]) -> Vec<f64> {
         values.extend(constant.iter().enumerate().map(|(c, a)| a + f[(row, c)]));
     }
     values
-}
-
-/// Values at prepared points: combinations of three values of a vertex list.
-struct Points {
-    dimension: usize,
-    values: Vec<f64>,
-    stencils: Vec<([u32; 3], [f64; 3])>,
-}
-
-impl Evaluator for Points {
-    fn evaluate(&self, out: &mut Samples) {
-        out.dimension = self.dimension;
-        out.first.clear();
-        out.second.clear();
-        out.values.clear();
-        for (corners, weights) in &self.stencils {
-            for c in 0..self.dimension {
-                let at =
-                    |i: usize| weights[i] * self.values[corners[i] as usize * self.dimension + c];
-                out.values.push(at(0) + at(1) + at(2));
-            }
-        }
-    }
-}
-
-impl SurfaceSpline for BiharmonicSpline {
-    fn domain(&self) -> Domain<'_> {
-        Domain::Triangles(self.space.mesh())
-    }
-
-    /// Prepares points: exact at vertices and edge midpoints, linear between them elsewhere.
-    fn prepare(
-        &self,
-        points: &[SurfacePoint],
-        order: Order,
-    ) -> Result<Box<dyn Evaluator + '_>, EvaluateError> {
-        if order != Order::Value {
-            return Err(EvaluateError::OrderUnavailable {
-                asked: order,
-                available: Order::Value,
-            });
-        }
-        let faces = self.space.mesh().faces();
-        let mut all_vertices = true;
-        for (index, point) in points.iter().enumerate() {
-            let face = point.face;
-            if face as usize >= faces.len() {
-                return Err(EvaluateError::NoSuchFace {
-                    point: index,
-                    face,
-                    faces: faces.len(),
-                });
-            }
-            let sum: f64 = point.at.iter().sum();
-            let inside = point.at.iter().all(|&b| b >= -BARYCENTRIC_TOLERANCE);
-            if !(inside && (sum - 1.0).abs() <= BARYCENTRIC_TOLERANCE) {
-                return Err(EvaluateError::OutsideFace { point: index, face });
-            }
-            all_vertices &= point.at.contains(&1.0);
-        }
-        let dimension = self.dimension;
-        if all_vertices {
-            let values = self.vertex_values()?;
-            let stencils = points
-                .iter()
-                .map(|p| (faces[p.face as usize], p.at))
-                .collect();
-            return Ok(Box::new(Points {
-                dimension,
-                values,
-                stencils,
-            }));
-        }
-        let (mesh, values) = self.subdivision_values(POINT_ROUNDS, Extension::AreaWeighted)?;
-        let stencils = points
-            .iter()
-            .map(|point| {
-                let (child, at) = child_point(*point);
-                (mesh.faces()[child as usize], at)
-            })
-            .collect();
-        Ok(Box::new(Points {
-            dimension,
-            values,
-            stencils,
-        }))
-    }
-}
-
-/// Returns the point in the faces of one midpoint subdivision, of which face `4 f + i` keeps corner
-/// `i` of face `f` first and `4 f + 3` is the middle one, `(m01, m12, m20)`.
-fn child_point(point: SurfacePoint) -> (u32, [f64; 3]) {
-    let [a, b, c] = point.at;
-    let first = 4 * point.face;
-    if a >= 0.5 {
-        (first, [2.0 * a - 1.0, 2.0 * b, 2.0 * c])
-    } else if b >= 0.5 {
-        (first + 1, [2.0 * b - 1.0, 2.0 * c, 2.0 * a])
-    } else if c >= 0.5 {
-        (first + 2, [2.0 * c - 1.0, 2.0 * a, 2.0 * b])
-    } else {
-        (first + 3, [1.0 - 2.0 * c, 1.0 - 2.0 * a, 1.0 - 2.0 * b])
-    }
 }

@@ -2,8 +2,9 @@
 
 use msplines_common::evaluate::VertexData;
 use msplines_common::linalg::Mat;
+use msplines_common::mesh::SurfacePoint;
 
-use crate::FitError;
+use crate::{FitError, Space};
 
 /// Data at the vertices with weights: a fit minimises `Σ cᵢ² |sᵢ - fᵢ|²`.
 ///
@@ -77,6 +78,31 @@ impl Centred {
             mean,
             weights,
         })
+    }
+
+    /// Returns the target at the vertices of the mesh of a space: those beyond the domain have no
+    /// weight, and data between those of their face to start from.
+    pub(crate) fn on(mut self, space: &Space) -> Self {
+        let added = space.added_points();
+        if added.is_empty() {
+            return self;
+        }
+        let (known, dimension) = (self.data.nrows(), self.data.ncols());
+        let between = |point: &SurfacePoint, c: usize| {
+            let corners = space.domain().faces()[point.face as usize];
+            let parts = corners.iter().zip(point.at);
+            parts.map(|(&v, b)| b * self.data[(v as usize, c)]).sum()
+        };
+        self.data = Mat::from_fn(known + added.len(), dimension, |v, c| {
+            match v.checked_sub(known) {
+                Some(beyond) => between(&added[beyond], c),
+                None => self.data[(v, c)],
+            }
+        });
+        let mut weights = self.weights.unwrap_or_else(|| vec![1.0; known]);
+        weights.resize(known + added.len(), 0.0);
+        self.weights = Some(weights);
+        self
     }
 
     /// Returns the weight of a vertex.

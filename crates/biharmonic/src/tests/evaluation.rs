@@ -209,7 +209,7 @@ fn points_and_orders_that_do_not_exist_are_refused() {
         at: [1.0, 0.0, 0.0],
     };
     assert!(matches!(
-        error(inside, Order::First),
+        error(inside, Order::Second),
         EvaluateError::OrderUnavailable { .. }
     ));
 }

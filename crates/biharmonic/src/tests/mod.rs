@@ -5,6 +5,7 @@ mod decomposition;
 mod denoising;
 mod evaluation;
 mod fitting;
+mod points;
 mod selection;
 mod weights;
 

@@ -95,6 +95,14 @@ impl TriangleMesh {
         (b - a).cross(&(c - a))
     }
 
+    /// Returns the orthonormal frame of a face: along its first side, and to the left of that.
+    #[must_use]
+    pub fn face_frame(&self, face: u32) -> [Vector3<f64>; 2] {
+        let [a, b, _] = self.triangle(face);
+        let along = (b - a).normalize();
+        [along, self.face_normal(face).cross(&along).normalize()]
+    }
+
     /// Returns the position of a surface point.
     #[must_use]
     pub fn position(&self, point: SurfacePoint) -> Point3<f64> {
