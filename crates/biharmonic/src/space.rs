@@ -76,10 +76,26 @@ impl Space {
     ) -> Result<(Self, Vec<u32>), FitError> {
         let split = split_at(&domain, points)?;
         let vertices = split.vertices.clone();
+        let pieces = split.edges(creases.edges());
         let mesh = Arc::new(split.mesh.clone());
-        let creases = Creases::along(&mesh, &split.edges(creases.edges()))?;
-        let space = Self::on(domain, Some(split), mesh, laplacian, creases)?;
-        Ok((space, vertices))
+        let creases = Creases::along(&mesh, &pieces)?;
+        Ok((Self::on(domain, Some(split), mesh, laplacian, creases)?, vertices))
+    }
+
+    /// Builds the space again that had these [`Self::added_points`] and creases.
+    ///
+    /// # Errors
+    /// As [`Self::with_points`].
+    pub fn split_at(
+        domain: Arc<TriangleMesh>,
+        points: &[SurfacePoint],
+        laplacian: Laplacian,
+        creases: &[[u32; 2]],
+    ) -> Result<Self, FitError> {
+        let split = split_at(&domain, points)?;
+        let mesh = Arc::new(split.mesh.clone());
+        let creases = Creases::along(&mesh, creases)?;
+        Self::on(domain, Some(split), mesh, laplacian, creases)
     }
 
     fn on(

@@ -2,19 +2,40 @@
 
 use std::path::Path;
 
+use msplines_common::mesh::TriangleMesh;
+use msplines_common::{Point3, Vector3};
+use msplines_io::read_npy;
+
+use crate::case::Weights;
 use crate::error::RunError;
 use crate::input::file_name;
 
-/// Returns the rows of numbers in a text file; empty lines and what follows a `#` are passed over.
+/// Returns the rows of numbers in a NumPy array (`.npy`) or in a text file, where empty lines and
+/// what follows a `#` are passed over.
 ///
 /// # Errors
-/// A file that cannot be read, or a line with something that is no number.
+/// A file that cannot be read, or something in it that is no number.
 pub(crate) fn read_rows(path: &Path, option: &'static str) -> Result<Vec<Vec<f64>>, RunError> {
     let refused = |reason: String| RunError::Array {
         option,
         file: file_name(path),
         reason,
     };
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("npy"))
+    {
+        let array = read_npy(path).map_err(|e| refused(e.to_string()))?;
+        return match array.shape.as_slice() {
+            [_] => Ok(array.values.iter().map(|&x| vec![x]).collect()),
+            [_, columns] if *columns > 0 => {
+                Ok(array.values.chunks(*columns).map(<[f64]>::to_vec).collect())
+            }
+            shape => Err(refused(format!(
+                "its shape is {shape:?}; give an array of one or two dimensions"
+            ))),
+        };
+    }
     let text =
         std::fs::read_to_string(path).map_err(|e| refused(format!("cannot be read: {e}")))?;
     let mut rows = Vec::new();
@@ -35,11 +56,27 @@ pub(crate) fn read_rows(path: &Path, option: &'static str) -> Result<Vec<Vec<f64
     Ok(rows)
 }
 
-/// Returns the weight of every vertex: one number a line.
+/// Returns the weight of every vertex.
 ///
 /// # Errors
-/// A file that cannot be read, or lines of other than one number.
-pub(crate) fn weights(path: &Path) -> Result<Vec<f64>, RunError> {
+/// A file that cannot be read, or rows of other than one number.
+pub(crate) fn weights(weights: &Weights, mesh: &TriangleMesh) -> Result<Vec<f64>, RunError> {
+    match weights {
+        Weights::File(path) => weights_in(path),
+        Weights::Ball { at, radius, weight } => {
+            let [low, high] = mesh.bounding_box();
+            let middle = low + (high - low).component_mul(&Vector3::from(*at));
+            let reach = radius * mesh.diagonal();
+            let inside = |p: &Point3<f64>| (p - middle).norm() < reach;
+            let positions = mesh.positions().iter();
+            Ok(positions
+                .map(|p| if inside(p) { *weight } else { 1.0 })
+                .collect())
+        }
+    }
+}
+
+fn weights_in(path: &Path) -> Result<Vec<f64>, RunError> {
     let rows = read_rows(path, "--weights")?;
     match rows.iter().position(|row| row.len() != 1) {
         None => Ok(rows.concat()),

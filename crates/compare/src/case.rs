@@ -18,6 +18,8 @@ pub struct Case {
     pub data: Data,
     /// The method and its options.
     pub method: Method,
+    /// What is done with it.
+    pub task: Task,
     /// Seed of everything random.
     pub seed: u64,
     /// Rounds of midpoint subdivision at whose vertices the spline is evaluated; 0 for the input
@@ -41,6 +43,7 @@ impl Case {
             input,
             data: Data::Positions,
             method,
+            task: Task::Fit,
             seed: 0,
             subdivide: 0,
             measure_distance: false,
@@ -60,7 +63,9 @@ impl Case {
             if let CaseCreases::Along(edges) = &mut method.creases {
                 creases = Some(edges);
             }
-            weights = method.weights.as_mut();
+            if let Some(Weights::File(path)) = &mut method.weights {
+                weights = Some(path);
+            }
         }
         if let Data::Array(values) = &mut self.data {
             data = Some(values);
@@ -68,6 +73,22 @@ impl Case {
         let method = knots.into_iter().chain(creases).chain(weights);
         method.chain(data).chain(&mut self.reference)
     }
+}
+
+/// What is done with a method on an input.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Task {
+    /// One fit.
+    #[default]
+    Fit,
+    /// Layers of splines, each fitted to what the ones before it leave, and their weighted sum.
+    Decompose {
+        /// Knots of each layer.
+        layers: Vec<Amount>,
+        /// Factor of each layer and of the residual.
+        factors: Vec<f64>,
+    },
 }
 
 /// Where the domain mesh comes from.
@@ -172,8 +193,8 @@ pub struct BiharmonicMethod {
     pub laplacian: msplines_biharmonic::Laplacian,
     /// Where the surface may have creases.
     pub creases: CaseCreases,
-    /// File with a weight for every vertex.
-    pub weights: Option<PathBuf>,
+    /// How much each vertex counts; all alike where absent.
+    pub weights: Option<Weights>,
 }
 
 impl BiharmonicMethod {
@@ -190,6 +211,23 @@ impl BiharmonicMethod {
             weights: None,
         }
     }
+}
+
+/// How much each vertex counts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Weights {
+    /// A file with a number for every vertex.
+    File(PathBuf),
+    /// More inside a ball than elsewhere, where the weight is 1.
+    Ball {
+        /// Middle of the ball, as fractions of the sides of the bounding box.
+        at: [f64; 3],
+        /// Its radius, as a fraction of the diagonal of the bounding box.
+        radius: f64,
+        /// Weight inside.
+        weight: f64,
+    },
 }
 
 /// Where a surface may have creases.

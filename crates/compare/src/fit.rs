@@ -83,7 +83,7 @@ fn count(amount: Amount, option: &'static str, mesh: &TriangleMesh) -> Result<us
 }
 
 /// Returns the options of a fit, and the weights of the vertices where they are given.
-fn biharmonic_options(
+pub(crate) fn biharmonic_options(
     method: &BiharmonicMethod,
     seed: u64,
     mesh: &TriangleMesh,
@@ -109,7 +109,7 @@ fn biharmonic_options(
         seed,
     };
     let weights = match &method.weights {
-        Some(path) => Some(arrays::weights(path)?),
+        Some(weights) => Some(arrays::weights(weights, mesh)?),
         None => None,
     };
     Ok((options, weights))

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use msplines_biharmonic::{BiharmonicSpline, Creases, Form, Laplacian, Space};
-use msplines_common::mesh::TriangleMesh;
+use msplines_common::mesh::{SurfacePoint, TriangleMesh};
 use serde::{Deserialize, Serialize};
 
 use crate::error::SplineFileError;
@@ -16,6 +16,9 @@ pub struct StoredBiharmonic {
     pub dimension: usize,
     /// Discrete Laplacian of the domain.
     pub laplacian: Laplacian,
+    /// Points of the domain that are vertices as well, numbered after its own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub added_points: Vec<SurfacePoint>,
     /// Edges across which the spline need not be smooth.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub creases: Vec<[u32; 2]>,
@@ -46,6 +49,7 @@ impl StoredBiharmonic {
         Self {
             dimension: spline.dimension(),
             laplacian: spline.space().laplacian(),
+            added_points: spline.space().added_points().to_vec(),
             creases: spline.space().creases().edges().to_vec(),
             knots: spline.knots().to_vec(),
             coefficients,
@@ -59,9 +63,15 @@ impl StoredBiharmonic {
     /// # Errors
     /// Numbers that do not fit each other or the mesh.
     pub fn restore(&self, mesh: &TriangleMesh) -> Result<BiharmonicSpline, SplineFileError> {
-        self.check(mesh.vertex_count())?;
-        let creases = Creases::along(mesh, &self.creases)?;
-        let space = Space::with_creases(Arc::new(mesh.clone()), self.laplacian, creases)?;
+        self.check(mesh.vertex_count() + self.added_points.len())?;
+        let domain = Arc::new(mesh.clone());
+        let (points, laplacian) = (&self.added_points, self.laplacian);
+        // Pieces of creases are edges of the split mesh only.
+        let space = if points.is_empty() {
+            Space::with_creases(domain, laplacian, Creases::along(mesh, &self.creases)?)?
+        } else {
+            Space::split_at(domain, points, laplacian, &self.creases)?
+        };
         let form = match (&self.coefficients, &self.constant, &self.knot_values) {
             (Some(coefficients), Some(constant), None) => Form::Implicit {
                 coefficients: coefficients.clone(),

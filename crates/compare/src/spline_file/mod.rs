@@ -284,6 +284,7 @@ mod tests {
         let spline = StoredSpline::Biharmonic(StoredBiharmonic {
             dimension: 1,
             laplacian: Laplacian::Cotangent,
+            added_points: Vec::new(),
             creases: Vec::new(),
             knots: vec![0, 2],
             coefficients: Some(coefficients),
