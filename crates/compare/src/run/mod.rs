@@ -48,12 +48,17 @@ pub fn run(
     check_outputs(&case.outputs)?;
     let mut clock = PhaseClock::start(process_start);
     announce("read", observer);
-    let input = load(&case.input, &mut clock)?;
+    let mut input = load(&case.input, &mut clock)?;
+    if case.double_cover {
+        input = input.double_cover()?;
+    }
     let data = fit_data(&case.data, &input)?;
     enter("domain", &mut clock, observer);
     let fitted = fit(case, &input, &data, &mut clock, observer)?;
     enter("evaluate", &mut clock, observer);
-    let (mesh, values) = fitted.stored.evaluate(&input.mesh, case.subdivide)?;
+    let (mesh, values) = fitted
+        .stored
+        .evaluate_by(case.scheme, &input.mesh, case.subdivide)?;
     check_finite(&values, data.dimension)?;
     enter("measure", &mut clock, observer);
     let mut measured = measure::against_data(&input, &data, &values, &case.data);
