@@ -18,8 +18,10 @@
 //! # Reference
 //! [Hou2017] §4, §5, §6.
 
+mod algebra;
 mod creases;
 mod error;
+mod explicit;
 mod fit;
 mod interpolate;
 mod knot_values;
@@ -32,8 +34,12 @@ mod target;
 #[cfg(test)]
 mod tests;
 
+pub use algebra::{CombineError, KnotError, Removal, combine};
 pub use creases::Creases;
 pub use error::FitError;
+pub use explicit::{
+    BasisKind, ExplicitBasis, ExplicitError, LocalFunctions, Locality, SparseColumns,
+};
 pub use fit::{Fit, Report, fit, fit_in};
 pub use interpolate::interpolate;
 pub use options::{CreaseChoice, Effort, KnotChoice, Laplacian, Options, Selection};
