@@ -17,7 +17,7 @@ mod exchange;
 mod sample;
 mod scores;
 mod state;
-mod voronoi;
+pub(crate) mod voronoi;
 
 use msplines_common::linalg::Mat;
 use msplines_common::progress::{Observer, Outcome};
