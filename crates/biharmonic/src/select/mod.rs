@@ -13,6 +13,8 @@
 
 mod eliminate;
 mod exchange;
+#[cfg_attr(not(test), expect(dead_code, reason = "a choice of options to come"))]
+mod l1;
 mod sample;
 mod scores;
 mod state;

@@ -20,7 +20,7 @@ fn positions(mesh: &TriangleMesh) -> Vec<f64> {
 }
 
 /// Returns the positions less their mean, as a matrix.
-fn centred(mesh: &TriangleMesh) -> Mat<f64> {
+pub(crate) fn centred(mesh: &TriangleMesh) -> Mat<f64> {
     let n = mesh.vertex_count();
     let values = positions(mesh);
     let mean = |c: usize| (0..n).map(|v| values[3 * v + c]).sum::<f64>() / n as f64;
@@ -28,7 +28,7 @@ fn centred(mesh: &TriangleMesh) -> Mat<f64> {
     Mat::from_fn(n, 3, |v, c| values[3 * v + c] - means[c])
 }
 
-fn space(mesh: &TriangleMesh) -> Space {
+pub(crate) fn space(mesh: &TriangleMesh) -> Space {
     Space::build(Arc::new(mesh.clone()), Laplacian::Cotangent).unwrap()
 }
 
