@@ -40,6 +40,8 @@ pub struct Report {
     pub eliminations: u32,
     /// Rounds of exchange, and how many of them were kept.
     pub exchanges: [u32; 2],
+    /// Rounds of the l1 selection.
+    pub l1_rounds: u32,
     /// Numbers of knots that cross-validation tried, from many to few, with their scores.
     pub cross_validation: Vec<Trial>,
     /// What the user should know.
@@ -163,6 +165,7 @@ fn fit_centred(
             residual: report.residual,
             eliminations: selected.eliminations,
             exchanges: selected.exchanges,
+            l1_rounds: selected.l1_rounds,
             cross_validation: selected.cross_validation,
             warnings,
         },
@@ -188,6 +191,7 @@ impl Report {
             residual: 0.0,
             eliminations: 0,
             exchanges: [0, 0],
+            l1_rounds: 0,
             cross_validation: Vec::new(),
             warnings: Vec::new(),
         }
@@ -218,7 +222,7 @@ fn checked_choice(vertices: usize, choice: &KnotChoice) -> Result<Given, FitErro
         KnotChoice::CrossValidated => Ok(Given::CrossValidated),
         // Only a fit that builds the space itself can split faces.
         KnotChoice::At(points) => {
-            checked_count(points.len().min(vertices))?;
+            checked_count(vertices, points.len().min(vertices))?;
             Ok(Given::Points)
         }
         KnotChoice::Optimised { count } => {

@@ -133,6 +133,7 @@ fn fit_biharmonic(
         ("eliminations", json!(report.eliminations)),
         ("exchanges", json!(report.exchanges[0])),
         ("exchanges_kept", json!(report.exchanges[1])),
+        ("l1_rounds", json!(report.l1_rounds)),
         (
             "crease_edges",
             json!(fit.spline.space().creases().edges().len()),

@@ -33,12 +33,12 @@ fn positions(mesh: &TriangleMesh) -> Vec<f64> {
 }
 
 /// Returns the positions less their mean, as a matrix.
-fn centred(mesh: &TriangleMesh) -> Mat<f64> {
+pub(crate) fn centred(mesh: &TriangleMesh) -> Mat<f64> {
     target(mesh).data
 }
 
 /// Returns the positions as the target of a fit.
-fn target(mesh: &TriangleMesh) -> Centred {
+pub(crate) fn target(mesh: &TriangleMesh) -> Centred {
     let data = VertexData {
         dimension: 3,
         values: &positions(mesh),
@@ -46,7 +46,7 @@ fn target(mesh: &TriangleMesh) -> Centred {
     Centred::check(mesh.vertex_count(), &data.into()).unwrap()
 }
 
-fn space(mesh: &TriangleMesh) -> Space {
+pub(crate) fn space(mesh: &TriangleMesh) -> Space {
     Space::build(Arc::new(mesh.clone()), Laplacian::Cotangent).unwrap()
 }
 
