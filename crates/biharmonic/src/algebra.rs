@@ -276,15 +276,15 @@ impl BiharmonicSpline {
         }
         let kept = |v: &&u32| old.binary_search(v).is_err();
         let knots: Vec<u32> = self.knots().iter().filter(kept).copied().collect();
-        if let Form::Implicit { constant, .. } = self.form() {
-            if self.coefficients_at(&old).iter().all(|&w| w == 0.0) {
-                let left = self.coefficients_at(&knots);
-                return Ok(Removal {
-                    spline: self.implicit(knots, left, constant.clone()),
-                    root_mean_square: 0.0,
-                    largest: 0.0,
-                });
-            }
+        if let Form::Implicit { constant, .. } = self.form()
+            && self.coefficients_at(&old).iter().all(|&w| w == 0.0)
+        {
+            let left = self.coefficients_at(&knots);
+            return Ok(Removal {
+                spline: self.implicit(knots, left, constant.clone()),
+                root_mean_square: 0.0,
+                largest: 0.0,
+            });
         }
         self.refitted(knots)
     }

@@ -4,7 +4,7 @@
 //! `ψ_j = H p_j`, with `p_j` non-zero in the 2-ring `S_j` of knot `j`. Minimised is
 //! `Σ_j [Σ_outside ψ_j² + μ Σ_negative ψ_j²] / |ψ_j|²`, the first sum over the vertices outside the
 //! 2-ring of cells, the second where the function is negative, subject to `P 1 = 1` and to bounds. The
-//! norms and the sets of the second sum are those of the round before; three rounds settle them.
+//! norms and the sets of the second sum are those of the round before.
 //!
 //! One function alone can always be made more local by letting others grow; the rows of `P` are what
 //! they compete for, hence the joint problem. The lower bound on the diagonal keeps `P` well
@@ -25,7 +25,8 @@ use super::quadratic::{Block, minimise};
 use super::rings::Rings;
 use crate::FitError;
 
-/// Rings of knots that a function is combined from, and of cells that it should stay in.
+/// Rings of knots that a function is combined from, and of cells that it should stay in. A third ring of
+/// knots gains 8 % of the mass outside at twice the time and entries.
 const STENCIL: u32 = 2;
 
 /// Weight `μ` of the negative part: a fifth of the negativity at no loss; 1 costs condition.
@@ -37,7 +38,7 @@ const OFF_DIAGONAL: [f64; 2] = [-0.1, 0.6];
 /// Upper bound of the diagonal.
 const LARGEST_DIAGONAL: f64 = 1.5;
 
-/// Rounds; what further ones change is below 1 %.
+/// Rounds. Two more take 4 % off the mass outside and make the condition half as large again.
 const ROUNDS: u32 = 3;
 
 /// Regularisation of a Hessian against its mean diagonal.

@@ -13,7 +13,7 @@
 //! [Hou2017] Eq. (3), Eq. (6), Eq. (8), §3.3, §7.2. Deviation: one least-squares problem per function
 //! in place of the two stages of Hou et al. 2015, of which the paper uses "more neighbouring knots".
 
-use faer::linalg::solvers::{ColPivQr, SolveLstsq};
+use faer::linalg::solvers::{Qr, SolveLstsq};
 use msplines_common::linalg::{Mat, MatRef};
 
 use super::SparseColumns;
@@ -29,7 +29,7 @@ pub(super) struct Masks {
     /// `n_ij` in row `i` of column `j`.
     pub(super) masks: SparseColumns,
     pub(super) constants: Vec<f64>,
-    factor: ColPivQr<f64>,
+    factor: Qr<f64>,
     /// What the last row of `Ñ` is multiplied by, so that it weighs as much as the others.
     scale: f64,
     condition: f64,
@@ -62,7 +62,7 @@ impl Masks {
         augmented.resize_with(knots.len() + 1, knots.len(), |_, j| scale * constants[j]);
         Ok(Self {
             condition: condition(&augmented),
-            factor: augmented.col_piv_qr(),
+            factor: augmented.qr(),
             masks,
             constants,
             scale,
@@ -129,7 +129,7 @@ fn mask(
         green[(outside[row], others[i])] - green[(outside[row], centre)]
     });
     let right = Mat::from_fn(outside.len(), 1, |_, _| -constant);
-    let found = differences.col_piv_qr().solve_lstsq(right);
+    let found = differences.qr().solve_lstsq(right);
     let mut next = 0;
     let mut sum = 0.0;
     for (value, &knot) in mask.iter_mut().zip(stencil) {

@@ -348,11 +348,9 @@ fn an_observer_stops_the_work() {
 }
 
 #[test]
-fn what_does_not_belong_to_a_basis_is_refused_with_its_place() {
-    let mesh = zoo::closed();
-    let shared = Arc::new(space(&mesh));
-    let knots = spread_knots(mesh.vertex_count(), 40);
-    let spline = spline_on(&shared, knots.clone());
+fn kinds_that_do_not_exist_are_refused() {
+    let shared = Arc::new(space(&zoo::closed()));
+    let knots = spread_knots(642, 40);
     let build = |kind| ExplicitBasis::build(&shared, &knots, kind, &mut unobserved());
     let text = |error: ExplicitError| error.to_string();
     assert_eq!(
@@ -363,7 +361,22 @@ fn what_does_not_belong_to_a_basis_is_refused_with_its_place() {
         text(build(BasisKind::DifferenceMasks { rings: 0 }).unwrap_err()),
         "difference masks cannot reach 0 rings far; give 1 to 8"
     );
-    let own = build(BasisKind::NEIGHBOUR).unwrap();
+    let large = ExplicitError::TooLarge {
+        vertices: 100_000,
+        knots: 5_000,
+        numbers: 500_000_000,
+    };
+    assert!(text(large).contains("need 4 GB"));
+}
+
+#[test]
+fn what_does_not_belong_to_a_basis_is_refused_with_its_place() {
+    let mesh = zoo::closed();
+    let shared = Arc::new(space(&mesh));
+    let knots = spread_knots(mesh.vertex_count(), 40);
+    let spline = spline_on(&shared, knots.clone());
+    let text = |error: ExplicitError| error.to_string();
+    let own = basis(&shared, &knots, BasisKind::NEIGHBOUR);
     let others = basis(&shared, &knots[1..], BasisKind::NEIGHBOUR);
     assert_eq!(
         text(others.control_points(&spline).unwrap_err()),
@@ -407,10 +420,4 @@ fn what_does_not_belong_to_a_basis_is_refused_with_its_place() {
             expected: 120
         }
     );
-    let large = ExplicitError::TooLarge {
-        vertices: 100_000,
-        knots: 5_000,
-        numbers: 500_000_000,
-    };
-    assert!(text(large).contains("need 4 GB"));
 }
