@@ -5,14 +5,14 @@ use crate::Rgb;
 /// Colours that are told apart from each other at a glance, and from the red of curves and the
 /// grey of what has no value.
 const PALETTE: [Rgb; 8] = [
-    Rgb::new(102, 194, 165),
-    Rgb::new(252, 160, 98),
-    Rgb::new(141, 160, 203),
+    Rgb::new(90, 190, 165),
+    Rgb::new(252, 155, 92),
+    Rgb::new(92, 137, 192),
     Rgb::new(255, 222, 89),
-    Rgb::new(231, 150, 200),
+    Rgb::new(238, 165, 208),
     Rgb::new(150, 205, 84),
-    Rgb::new(78, 121, 167),
-    Rgb::new(176, 140, 110),
+    Rgb::new(142, 100, 172),
+    Rgb::new(128, 94, 80),
 ];
 /// Turn of the hue from one further colour to the next: the golden ratio leaves the widest gaps.
 const TURN: f64 = 0.618_033_988_749_895;
