@@ -42,6 +42,8 @@ pub struct Report {
     pub exchanges: [u32; 2],
     /// Rounds of the l1 selection.
     pub l1_rounds: u32,
+    /// Largest relative duality gap of one of them; above 1e-4 if it ran out of steps.
+    pub l1_gap: f64,
     /// Numbers of knots that cross-validation tried, from many to few, with their scores.
     pub cross_validation: Vec<Trial>,
     /// What the user should know.
@@ -166,6 +168,7 @@ fn fit_centred(
             eliminations: selected.eliminations,
             exchanges: selected.exchanges,
             l1_rounds: selected.l1_rounds,
+            l1_gap: selected.l1_gap,
             cross_validation: selected.cross_validation,
             warnings,
         },
@@ -192,6 +195,7 @@ impl Report {
             eliminations: 0,
             exchanges: [0, 0],
             l1_rounds: 0,
+            l1_gap: 0.0,
             cross_validation: Vec::new(),
             warnings: Vec::new(),
         }

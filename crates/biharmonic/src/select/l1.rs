@@ -69,12 +69,10 @@ const GAP: f64 = 1e-4;
 /// Largest share of the knots that one round of the final elimination removes.
 const PRUNED: f64 = 0.1;
 
-/// Knots, how they were found, and a spline to start the final fit from.
-pub(super) struct L1Knots {
-    /// As many as asked for, ascending.
-    pub(super) knots: Vec<u32>,
-    /// A spline with these knots, nearly the best.
-    pub(super) fitted: Mat<f64>,
+/// Knots and how they were found.
+pub(super) struct L1Knots<'a> {
+    /// The fit with as many knots as were asked for.
+    pub(super) state: State<'a>,
     /// Rounds of reweighting, the one taken back included.
     pub(super) rounds: u32,
     /// Largest relative duality gap of a round; above 1e-4 if steps were used up.
@@ -85,13 +83,13 @@ pub(super) struct L1Knots {
 ///
 /// A round solves one problem per component, each with some eight factorisations of `B²`: all in all
 /// 10 to 35 CPU seconds for 10,000 vertices, 4 CPU minutes for 35,000. A run that is stopped eliminates the rest.
-pub(super) fn reweighted_l1(
-    space: &Space,
-    target: &Centred,
+pub(super) fn reweighted_l1<'a>(
+    space: &'a Space,
+    target: &'a Centred,
     count: usize,
     seed: u64,
     run: &mut Run<'_, '_>,
-) -> Result<L1Knots, FitError> {
+) -> Result<L1Knots<'a>, FitError> {
     if target.weights.is_some() {
         return Err(FitError::WeightsWithL1);
     }
@@ -99,10 +97,8 @@ pub(super) fn reweighted_l1(
     let path = descend(&problem, count, run)?;
     let mut state = State::start(space, target, path.support.knots, seed)?;
     eliminate(&mut state, count, PRUNED, run)?;
-    let (knots, fitted) = state.into_parts();
     Ok(L1Knots {
-        knots,
-        fitted,
+        state,
         rounds: path.rounds,
         gap: path.gap,
     })

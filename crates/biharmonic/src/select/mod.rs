@@ -42,6 +42,8 @@ pub(crate) struct Selected {
     pub(crate) eliminations: u32,
     pub(crate) exchanges: [u32; 2],
     pub(crate) l1_rounds: u32,
+    /// Largest relative duality gap of an l1 round.
+    pub(crate) l1_gap: f64,
     pub(crate) cross_validation: Vec<Trial>,
 }
 
@@ -59,6 +61,7 @@ impl Selected {
             eliminations: 0,
             exchanges: [0, 0],
             l1_rounds: 0,
+            l1_gap: 0.0,
             cross_validation: Vec::new(),
         }
     }
@@ -118,7 +121,7 @@ pub(crate) fn select(
 ) -> Result<Selected, FitError> {
     let plan = Plan::of(options.effort);
     let mut run = Run { observer, stopped };
-    let (mut eliminations, mut l1_rounds) = (0, 0);
+    let (mut eliminations, mut l1_rounds, mut gap) = (0, 0, 0.0);
     let mut state = match options.selection {
         Selection::Exchange => {
             let wanted = (count as f64 * plan.candidates).ceil() as usize;
@@ -132,7 +135,8 @@ pub(crate) fn select(
         Selection::L1 | Selection::L1Exchange => {
             let found = l1::reweighted_l1(space, target, count, options.seed, &mut run)?;
             l1_rounds = found.rounds;
-            State::start(space, target, found.knots, options.seed)?
+            gap = found.gap;
+            found.state
         }
         Selection::Curvature => sampled(space, target, count, Density::Curvature, options.seed)?,
         Selection::BlueNoise => sampled(space, target, count, Density::Even, options.seed)?,
@@ -156,6 +160,7 @@ pub(crate) fn select(
         eliminations,
         exchanges,
         l1_rounds,
+        l1_gap: gap,
         cross_validation: Vec::new(),
     })
 }

@@ -192,7 +192,7 @@ fn l1_penalty_ranges_from_interpolation_to_a_constant() {
     }
 }
 
-fn selected(space: &Space, target: &Centred, count: usize) -> L1Knots {
+fn selected<'a>(space: &'a Space, target: &'a Centred, count: usize) -> L1Knots<'a> {
     let mut observer = unobserved();
     let mut run = Run {
         observer: &mut observer,
@@ -222,11 +222,11 @@ fn l1_selection_beats_samples() {
         )
     };
     let found = selected(&space, &target, count);
-    assert_eq!(found.knots.len(), count);
+    assert_eq!(found.state.knots().len(), count);
     assert!(found.gap <= super::GAP && found.rounds > 5);
     let (even, curvature) = (of(Density::Even), of(Density::Curvature));
-    let l1 = error(&space, &target, found.knots);
-    assert!((&target.data - &found.fitted).norm_l2() < 1.01 * l1);
+    let l1 = error(&space, &target, found.state.knots().to_vec());
+    assert!((&target.data - found.state.into_parts().1).norm_l2() < 1.01 * l1);
     assert!(l1 < 0.7 * even, "{l1} {even} {curvature}");
     assert!(l1 < 0.8 * curvature, "{l1} {curvature}");
 }
@@ -237,7 +237,7 @@ fn l1_selection_meets_any_count() {
     let (space, target) = (space(&mesh), target(&mesh));
     let n = mesh.vertex_count();
     for count in [1, 2, 10, n / 2, n - 1] {
-        let knots = selected(&space, &target, count).knots;
+        let (knots, _) = selected(&space, &target, count).state.into_parts();
         assert_eq!(knots.len(), count);
         assert!(knots.windows(2).all(|pair| pair[0] < pair[1]));
     }
@@ -250,7 +250,8 @@ fn l1_selection_of_constant_data_meets_the_count() {
         data: Mat::zeros(mesh.vertex_count(), 2),
         ..target(&mesh)
     };
-    assert_eq!(selected(&space(&mesh), &target, 20).knots.len(), 20);
+    let space = space(&mesh);
+    assert_eq!(selected(&space, &target, 20).state.knots().len(), 20);
 }
 
 #[test]
@@ -262,7 +263,7 @@ fn l1_selection_is_the_same_on_any_number_of_threads() {
             .num_threads(threads)
             .build()
             .unwrap();
-        pool.install(|| selected(&space, &target, 40).knots)
+        pool.install(|| selected(&space, &target, 40).state.into_parts().0)
     });
     assert_eq!(one, three);
 }
