@@ -96,6 +96,33 @@ pub enum Task {
         /// Factor of each layer and of the residual.
         factors: Vec<f64>,
     },
+    /// One fit whose control points are then moved.
+    Edit(Edit),
+    /// One fit, and measurements of the basis functions and the laws of its spline space.
+    Properties,
+}
+
+/// Control points that are moved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Edit {
+    /// The moves, all at once.
+    pub moves: Vec<Move>,
+    /// Whether what the spline leaves of the data is added to the result.
+    pub keep_detail: bool,
+}
+
+/// Control points around a place that are moved together.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Move {
+    /// The place, as fractions of the sides of the bounding box.
+    pub at: [f64; 3],
+    /// By how much, as fractions of the diagonal of the bounding box.
+    pub by: [f64; 3],
+    /// Distance within which control points move, as a fraction of the diagonal; the nearest one
+    /// always does.
+    pub within: f64,
 }
 
 /// Where the domain mesh comes from.

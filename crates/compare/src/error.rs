@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use msplines_biharmonic::DecomposeError;
 use msplines_common::evaluate::EvaluateError;
 use msplines_common::mesh::TopologyError;
 
@@ -65,6 +66,32 @@ pub enum RunError {
         /// What is wrong.
         reason: String,
     },
+    /// A task that another method has.
+    #[error("{method} has no {task}; use biharmonic")]
+    Task {
+        /// The task.
+        task: &'static str,
+        /// The method.
+        method: &'static str,
+    },
+    /// Data that cannot be split into layers.
+    #[error("biharmonic: {0}")]
+    Decompose(#[from] DecomposeError),
+    /// Splines that cannot be combined.
+    #[error("biharmonic: {0}")]
+    Combine(#[from] msplines_biharmonic::CombineError),
+    /// Knots that cannot be put in or taken out.
+    #[error("biharmonic: {0}")]
+    Knots(#[from] msplines_biharmonic::KnotError),
+    /// Basis functions that cannot be built.
+    #[error("biharmonic: {0}")]
+    Explicit(#[from] msplines_biharmonic::ExplicitError),
+    /// A spline that cannot be evaluated.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+    /// Numbers that make no spline.
+    #[error("biharmonic: {0}")]
+    Parts(#[from] msplines_biharmonic::PartsError),
     /// A file of numbers that does not hold what it should.
     #[error("{option} {file}: {reason}")]
     Array {
@@ -118,9 +145,20 @@ impl RunError {
             | Self::Array { .. }
             | Self::NoSuchAttribute { .. } => exit::INPUT,
             Self::Spline(error) => error.exit_code(),
-            Self::Biharmonic(_) | Self::LsMesh(_) | Self::Distance(_) | Self::NotFinite { .. } => {
-                exit::METHOD
+            Self::Task { .. }
+            | Self::Decompose(DecomposeError::Factors { .. } | DecomposeError::Factor { .. }) => {
+                exit::USAGE
             }
+            Self::Biharmonic(_)
+            | Self::Decompose(_)
+            | Self::Combine(_)
+            | Self::Knots(_)
+            | Self::Explicit(_)
+            | Self::Evaluate(_)
+            | Self::Parts(_)
+            | Self::LsMesh(_)
+            | Self::Distance(_)
+            | Self::NotFinite { .. } => exit::METHOD,
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::input::{FitData, LoadedInput, nearest_points, nearest_vertices};
 use crate::spline_file::{StoredBiharmonic, StoredSpline};
 
 /// Phases of a fit that a record tells apart.
-const PHASES: [&str; 3] = ["domain", "select", "fit"];
+pub(crate) const PHASES: [&str; 3] = ["domain", "select", "fit"];
 
 /// What a method gave, before it is measured.
 pub(crate) struct Fitted {
@@ -76,10 +76,31 @@ pub(crate) fn fit(
     }
 }
 
-fn count(amount: Amount, option: &'static str, mesh: &TriangleMesh) -> Result<usize, RunError> {
+pub(crate) fn count(
+    amount: Amount,
+    option: &'static str,
+    mesh: &TriangleMesh,
+) -> Result<usize, RunError> {
     amount
         .of(mesh.vertex_count())
         .map_err(|source| RunError::Amount { option, source })
+}
+
+/// Returns the biharmonic method of a case.
+///
+/// # Errors
+/// Another method, which does not have this task.
+pub(crate) fn biharmonic_method<'a>(
+    case: &'a Case,
+    task: &'static str,
+) -> Result<&'a BiharmonicMethod, RunError> {
+    match &case.method {
+        Method::Biharmonic(method) => Ok(method),
+        other => Err(RunError::Task {
+            task,
+            method: other.name(),
+        }),
+    }
 }
 
 /// Returns the options of a fit, and the weights of the vertices where they are given.

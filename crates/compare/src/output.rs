@@ -54,7 +54,8 @@ pub fn check_folder(path: &Path) -> Result<(), RunError> {
 
 /// Writes the spline, or its values at the vertices of `mesh`, to every output.
 ///
-/// Values named `x, y, z` are the surface itself; others become attributes of `mesh`.
+/// Values named `x, y, z` are the surface itself; others become attributes of `mesh`, as `fields`
+/// always do.
 ///
 /// # Errors
 /// The first output that cannot be written.
@@ -64,6 +65,7 @@ pub fn write_outputs(
     mesh: &TriangleMesh,
     values: &[f64],
     names: &[String],
+    fields: &[VertexAttribute],
 ) -> Result<(), RunError> {
     let are_positions = names == ["x", "y", "z"];
     let positions: Vec<Point3<f64>> = if are_positions {
@@ -71,11 +73,12 @@ pub fn write_outputs(
     } else {
         mesh.positions().to_vec()
     };
-    let attributes = if are_positions {
+    let mut attributes = if are_positions {
         Vec::new()
     } else {
         attributes(values, names)
     };
+    attributes.extend_from_slice(fields);
     for path in outputs {
         let refused = |reason: String| RunError::Write {
             path: path.clone(),
@@ -118,6 +121,7 @@ pub fn write_row_files(folder: &Path, output: &RunOutput) -> Result<(), RunError
         &output.mesh,
         &output.values,
         &output.names,
+        &output.fields,
     )?;
     // The vertices of the domain come first on every subdivision.
     let places = output.spline.spline.knots().iter();

@@ -166,6 +166,12 @@ impl ExplicitBasis {
         })
     }
 
+    /// Returns, for every vertex of the mesh, the index of the knot whose Voronoi cell it lies in.
+    #[must_use]
+    pub fn cells(&self) -> &[u32] {
+        self.rings.cells()
+    }
+
     /// Returns the knots, ascending vertices; function `j` belongs to knot `j`.
     #[must_use]
     pub fn knots(&self) -> &[u32] {

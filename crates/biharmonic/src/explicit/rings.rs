@@ -48,6 +48,11 @@ impl Rings {
         }
     }
 
+    /// Returns the cell of every vertex.
+    pub(super) fn cells(&self) -> &[u32] {
+        &self.cell
+    }
+
     /// Returns the number of cells.
     pub(super) fn len(&self) -> usize {
         self.neighbours.len()

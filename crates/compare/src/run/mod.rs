@@ -1,22 +1,26 @@
 //! One run: read, fit, evaluate what is stored, measure it, write it, and record it all.
 
+mod edits;
+mod layers;
+mod properties;
+
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use msplines_common::mesh::TriangleMesh;
+use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_common::progress::{Observer, Outcome, Progress};
 use serde_json::{Value, json};
 
-use crate::case::{Case, Data, DomainStorage, Input};
+use crate::case::{Case, Data, DomainStorage, Input, Task};
 use crate::clock::{PhaseClock, process_usage};
 use crate::error::RunError;
-use crate::fit::fit;
-use crate::input::{LoadedInput, fit_data, load, load_domain};
+use crate::fit::{PHASES, fit};
+use crate::input::{FitData, LoadedInput, fit_data, load, load_domain};
 use crate::measure::{self, Measured};
 use crate::output::{check_outputs, write_outputs};
 use crate::record::{RUN_SCHEMA, Record, Tool};
-use crate::spline_file::{SplineFile, StoredDomain, StoredMesh};
+use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
 
 /// What a run gives.
 #[derive(Clone, Debug)]
@@ -31,6 +35,8 @@ pub struct RunOutput {
     pub values: Vec<f64>,
     /// Names of the components, `x, y, z` for positions.
     pub names: Vec<String>,
+    /// Further numbers at the vertices of the mesh, for pictures.
+    pub fields: Vec<VertexAttribute>,
 }
 
 /// Runs a case and writes its outputs.
@@ -54,19 +60,24 @@ pub fn run(
     }
     let data = fit_data(&case.data, &input)?;
     enter("domain", &mut clock, observer);
-    let fitted = fit(case, &input, &data, &mut clock, observer)?;
-    enter("evaluate", &mut clock, observer);
-    let (mesh, values) = fitted
-        .stored
-        .evaluate_by(case.scheme, &input.mesh, case.subdivide)?;
-    check_finite(&values, data.dimension)?;
+    let produced = match &case.task {
+        Task::Fit => fitted(case, &input, &data, &mut clock, observer)?,
+        Task::Decompose { layers, factors } => {
+            let asked = (layers.as_slice(), factors.as_slice());
+            layers::decompose(case, &input, &data, asked, &mut clock, observer)?
+        }
+        Task::Edit(edit) => edits::edit(case, &input, &data, edit, &mut clock, observer)?,
+        Task::Properties => properties::measure(case, &input, &data, &mut clock, observer)?,
+    };
+    check_finite(&produced.values, data.dimension)?;
     enter("measure", &mut clock, observer);
-    let mut measured = measure::against_data(&input, &data, &values, &case.data);
+    let mut measured = measure::against_data(&input, &data, &produced.fitted, &case.data);
     if case.measure_distance && case.data == Data::Positions {
-        let found = measure::surface_distance(&fitted.stored, &input.mesh, case.seed)?;
+        let found = measure::surface_distance(&produced.stored, &input.mesh, case.seed)?;
         measured.distance = Some(found);
     }
-    let mut checks = fitted.checks;
+    let mut checks = produced.checks;
+    let (mesh, values) = (produced.mesh, produced.values);
     if let Some(path) = &case.reference {
         checks.extend(measure::to_reference(
             path,
@@ -76,26 +87,79 @@ pub fn run(
             case.seed,
         )?);
     }
-    let options = options(case, &fitted.options);
-    let spline = SplineFile::new(domain(case, &input), options, fitted.stored);
+    let options = options(case, &produced.options);
+    let spline = SplineFile::new(domain(case, &input), options, produced.stored);
     enter("write", &mut clock, observer);
-    write_outputs(&case.outputs, &spline, &mesh, &values, &data.names)?;
+    write_outputs(
+        &case.outputs,
+        &spline,
+        &mesh,
+        &values,
+        &data.names,
+        &produced.fields,
+    )?;
     clock.leave();
     checks.insert("evaluated_points".to_owned(), json!(mesh.vertex_count()));
     let summary = Summary {
         checks,
-        outcome: fitted.outcome,
+        outcome: produced.outcome,
         measured,
         seed: case.seed,
     };
     let mut record = record(&input, &spline, summary, &mut clock);
-    record.warnings.extend(fitted.warnings);
+    record.warnings.extend(produced.warnings);
     Ok(RunOutput {
         record,
         spline,
         mesh,
         values,
         names: data.names,
+        fields: produced.fields,
+    })
+}
+
+/// What a task gives, before it is measured and written.
+pub(crate) struct Produced {
+    /// The spline in its stored form.
+    stored: StoredSpline,
+    /// All options of the method.
+    options: Value,
+    outcome: Outcome,
+    checks: BTreeMap<String, Value>,
+    warnings: Vec<String>,
+    /// Where the result is evaluated.
+    mesh: TriangleMesh,
+    /// The result there.
+    values: Vec<f64>,
+    /// What is compared with the data, at the vertices of the input and perhaps beyond.
+    fitted: Vec<f64>,
+    /// Further numbers at the vertices of `mesh`, for pictures.
+    fields: Vec<VertexAttribute>,
+}
+
+/// Fits and evaluates what is stored.
+fn fitted(
+    case: &Case,
+    input: &LoadedInput,
+    data: &FitData,
+    clock: &mut PhaseClock,
+    observer: &mut Observer<'_>,
+) -> Result<Produced, RunError> {
+    let fitted = fit(case, input, data, clock, observer)?;
+    enter("evaluate", clock, observer);
+    let (mesh, values) = fitted
+        .stored
+        .evaluate_by(case.scheme, &input.mesh, case.subdivide)?;
+    Ok(Produced {
+        stored: fitted.stored,
+        options: fitted.options,
+        outcome: fitted.outcome,
+        checks: fitted.checks,
+        warnings: fitted.warnings,
+        mesh,
+        fitted: values.clone(),
+        values,
+        fields: Vec::new(),
     })
 }
 
@@ -146,7 +210,7 @@ pub fn evaluate(
         Measured::default()
     };
     enter("write", &mut clock, observer);
-    write_outputs(&evaluation.outputs, &spline, &mesh, &values, &names)?;
+    write_outputs(&evaluation.outputs, &spline, &mesh, &values, &names, &[])?;
     clock.leave();
     let checks = BTreeMap::from([
         ("knots".to_owned(), json!(spline.spline.knots().len())),
@@ -166,6 +230,7 @@ pub fn evaluate(
         mesh,
         values,
         names,
+        fields: Vec::new(),
     })
 }
 
@@ -252,6 +317,21 @@ fn check_finite(values: &[f64], dimension: usize) -> Result<(), RunError> {
 fn enter(phase: &'static str, clock: &mut PhaseClock, observer: &mut Observer<'_>) {
     clock.enter(phase);
     announce(phase, observer);
+}
+
+/// Runs `work` with an observer that lets the clock follow the phases of the method.
+fn timed<T>(
+    clock: &mut PhaseClock,
+    observer: &mut Observer<'_>,
+    work: impl FnOnce(&mut Observer<'_>) -> T,
+) -> T {
+    let mut follow = |progress: &Progress| {
+        if PHASES.contains(&progress.phase) {
+            clock.enter(progress.phase);
+        }
+        observer(progress)
+    };
+    work(&mut follow)
 }
 
 /// Tells the observer of a phase that cannot be broken off.

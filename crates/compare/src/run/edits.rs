@@ -1,0 +1,120 @@
+//! Moving control points of a spline.
+
+use msplines_biharmonic::{BasisKind, BiharmonicSpline, ExplicitBasis};
+use msplines_common::Vector3;
+use msplines_common::mesh::{TriangleMesh, VertexAttribute};
+use msplines_common::progress::Observer;
+use serde_json::json;
+
+use super::{Produced, enter, fitted};
+use crate::case::{Case, Edit, Move};
+use crate::clock::PhaseClock;
+use crate::error::RunError;
+use crate::fit::biharmonic_method;
+use crate::input::{FitData, LoadedInput};
+use crate::spline_file::{StoredBiharmonic, StoredSpline};
+
+/// Vertices that move by more than this share of the largest movement count as moved.
+const MOVED: f64 = 0.01;
+
+/// Fits a spline and moves its control points.
+///
+/// # Errors
+/// A spline that cannot be fitted, or data that have not three components.
+pub(super) fn edit(
+    case: &Case,
+    input: &LoadedInput,
+    data: &FitData,
+    edit: &Edit,
+    clock: &mut PhaseClock,
+    observer: &mut Observer<'_>,
+) -> Result<Produced, RunError> {
+    biharmonic_method(case, "edit")?;
+    let mut produced = fitted(case, input, data, clock, observer)?;
+    let StoredSpline::Biharmonic(stored) = &produced.stored else {
+        return Ok(produced);
+    };
+    let spline = stored.restore(&input.mesh)?;
+    enter("domain", clock, observer);
+    let (edited, control_points) = moved(&spline, &edit.moves, observer)?;
+    enter("evaluate", clock, observer);
+    let (mut values, before) = (edited.vertex_values()?, spline.vertex_values()?);
+    let dimension = data.dimension;
+    let shift = |v: usize| {
+        let square = |i: usize| (values[i] - before[i]).powi(2);
+        let range = v * dimension..(v + 1) * dimension;
+        range.map(square).sum::<f64>().sqrt() / data.scale
+    };
+    let shifts: Vec<f64> = (0..input.mesh.vertex_count()).map(shift).collect();
+    let largest = shifts.iter().copied().fold(0.0, f64::max);
+    let count = shifts.iter().filter(|&&x| x > MOVED * largest).count();
+    if edit.keep_detail {
+        for (i, value) in values.iter_mut().enumerate() {
+            *value += data.values[i] - before[i];
+        }
+    }
+    for (name, value) in [
+        ("moved_control_points", json!(control_points)),
+        ("moved_share", json!(count as f64 / shifts.len() as f64)),
+        ("largest_movement", json!(largest)),
+    ] {
+        produced.checks.insert(name.to_owned(), value);
+    }
+    produced.stored = StoredSpline::Biharmonic(StoredBiharmonic::of(&edited));
+    produced.values = values;
+    produced.mesh = input.mesh.clone();
+    produced.fields = vec![VertexAttribute {
+        name: "movement".to_owned(),
+        values: shifts.iter().map(|x| 100.0 * x).collect(),
+    }];
+    Ok(produced)
+}
+
+/// Moves the control points around some places, and returns how many were moved.
+///
+/// # Errors
+/// A spline that has no basis.
+pub(super) fn moved(
+    spline: &BiharmonicSpline,
+    moves: &[Move],
+    observer: &mut Observer<'_>,
+) -> Result<(BiharmonicSpline, usize), RunError> {
+    let mesh = spline.space().mesh();
+    let (space, knots) = (spline.space(), spline.knots());
+    let basis = ExplicitBasis::build(space, knots, BasisKind::JointQp, observer)?;
+    let mut shifts = vec![Vector3::zeros(); knots.len()];
+    for step in moves {
+        for (knot, share) in around(mesh, knots, step) {
+            shifts[knot] += Vector3::from(step.by) * (mesh.diagonal() * share);
+        }
+    }
+    let listed: Vec<(usize, Vec<f64>)> = shifts
+        .iter()
+        .enumerate()
+        .filter(|(_, shift)| shift.norm() > 0.0)
+        .map(|(knot, shift)| (knot, shift.iter().copied().collect()))
+        .collect();
+    Ok((basis.edit(spline, &listed)?, listed.len()))
+}
+
+/// Returns the knots that a move takes along, and how far: wholly in its middle, not at all at its
+/// border. The nearest one goes wholly.
+fn around(mesh: &TriangleMesh, knots: &[u32], step: &Move) -> Vec<(usize, f64)> {
+    let [low, high] = mesh.bounding_box();
+    let middle = low + (high - low).component_mul(&Vector3::from(step.at));
+    let reach = step.within * mesh.diagonal();
+    let distance = |knot: usize| (mesh.positions()[knots[knot] as usize] - middle).norm();
+    let nearest = (0..knots.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+    let share = |knot: usize| {
+        let relative = distance(knot) / reach;
+        if Some(knot) == nearest {
+            1.0
+        } else if relative < 1.0 {
+            (1.0 - relative * relative).powi(2)
+        } else {
+            0.0
+        }
+    };
+    let shares = (0..knots.len()).map(|knot| (knot, share(knot)));
+    shares.filter(|(_, share)| *share > 0.0).collect()
+}
