@@ -55,6 +55,10 @@ pub(crate) enum Command {
     Decompose(Decompose),
     /// Evaluate a spline file.
     Evaluate(Evaluate),
+    /// Move control points of a biharmonic B-spline.
+    Edit(Edit),
+    /// Add biharmonic B-splines on the same mesh.
+    Combine(Combine),
 }
 
 /// `msplines info`.
@@ -236,6 +240,54 @@ pub(crate) struct Evaluate {
     /// for the spline.
     #[arg(short, long = "output", value_name = "OUT", required = true)]
     pub(crate) outputs: Vec<PathBuf>,
+}
+
+/// `msplines edit`.
+#[derive(Debug, Args)]
+pub(crate) struct Edit {
+    #[command(flatten)]
+    pub(crate) evaluate: Evaluate,
+    /// Place of the control points and by how much they move, in the units of the mesh; more than one
+    /// by repeating.
+    #[arg(long = "move", value_name = "X,Y,Z:DX,DY,DZ", value_parser = movement, required = true, allow_hyphen_values = true)]
+    pub(crate) moves: Vec<[f64; 6]>,
+    /// Distance from the place within which control points move, less and less towards it; the
+    /// nearest one alone where absent.
+    #[arg(long, value_name = "LENGTH", default_value = "0", value_parser = not_negative)]
+    pub(crate) within: f64,
+}
+
+/// `msplines combine`.
+#[derive(Debug, Args)]
+pub(crate) struct Combine {
+    #[command(flatten)]
+    pub(crate) evaluate: Evaluate,
+    /// Factor of the first spline.
+    #[arg(
+        long,
+        value_name = "F",
+        default_value_t = 1.0,
+        allow_hyphen_values = true
+    )]
+    pub(crate) factor: f64,
+    /// Another spline file and its factor; more than one by repeating.
+    #[arg(long = "with", value_name = "SPLINE.json[:F]", required = true)]
+    pub(crate) others: Vec<String>,
+}
+
+fn movement(text: &str) -> Result<[f64; 6], String> {
+    let numbers: Result<Vec<f64>, _> = text.split([',', ':']).map(|n| n.trim().parse()).collect();
+    match numbers.map(<[f64; 6]>::try_from) {
+        Ok(Ok(six)) if six.iter().all(|x| x.is_finite()) => Ok(six),
+        _ => Err("give six finite numbers: X,Y,Z:DX,DY,DZ".to_owned()),
+    }
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value >= 0.0 && value.is_finite() => Ok(value),
+        _ => Err("give a length that is not negative".to_owned()),
+    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -1,16 +1,19 @@
 //! `msplines fit` and `msplines evaluate`: thin callers of the harness.
 
 use msplines_biharmonic::Laplacian;
+use msplines_common::{Point3, Vector3};
 use msplines_compare::case::{
     BiharmonicMethod, Case, CaseCreases, Data, DomainStorage, Input, Knots, Method, Task, Weights,
 };
 use msplines_compare::error::exit;
 use msplines_compare::input::file_name;
-use msplines_compare::run::{self, Evaluation};
+use msplines_compare::run::{self, Evaluation, Shift};
 
 use msplines_ls_mesh::Constraints;
 
-use crate::arguments::{BiharmonicChoices, Decompose, Effort, Evaluate, Fit, FitFiles, Selection};
+use crate::arguments::{
+    BiharmonicChoices, Combine, Decompose, Edit, Effort, Evaluate, Fit, FitFiles, Selection,
+};
 use crate::session::{Failure, Session};
 
 /// Attributes that hold the colours of vertices.
@@ -31,16 +34,54 @@ pub(crate) fn fit(fit: &Fit, session: &Session) -> Result<u8, Failure> {
 
 /// Evaluates a spline file.
 pub(crate) fn evaluate(evaluate: &Evaluate, session: &Session) -> Result<u8, Failure> {
+    run_evaluation("evaluate", &evaluation(evaluate, session), session)
+}
+
+/// Moves control points of a spline in a file.
+pub(crate) fn edit(edit: &Edit, session: &Session) -> Result<u8, Failure> {
+    let shift = |&[x, y, z, dx, dy, dz]: &[f64; 6]| Shift {
+        at: Point3::new(x, y, z),
+        by: Vector3::new(dx, dy, dz),
+        within: edit.within,
+    };
     let evaluation = Evaluation {
+        shifts: edit.moves.iter().map(shift).collect(),
+        ..evaluation(&edit.evaluate, session)
+    };
+    run_evaluation("edit", &evaluation, session)
+}
+
+/// Adds splines in files.
+pub(crate) fn combine(combine: &Combine, session: &Session) -> Result<u8, Failure> {
+    let term = |text: &String| {
+        let split = text.rsplit_once(':');
+        let factor = split.and_then(|(path, factor)| Some((path.into(), factor.parse().ok()?)));
+        factor.unwrap_or_else(|| (text.into(), 1.0))
+    };
+    let others = combine.others.iter().map(term).collect();
+    let evaluation = Evaluation {
+        sum: Some((combine.factor, others)),
+        ..evaluation(&combine.evaluate, session)
+    };
+    run_evaluation("combine", &evaluation, session)
+}
+
+fn evaluation(evaluate: &Evaluate, session: &Session) -> Evaluation {
+    Evaluation {
         spline: evaluate.spline.clone(),
         mesh: evaluate.mesh.clone(),
+        shifts: Vec::new(),
+        sum: None,
         subdivide: evaluate.subdivide,
         outputs: evaluate.outputs.clone(),
         seed: session.seed,
-    };
-    let label = format!("evaluate {}", file_name(&evaluate.spline));
+    }
+}
+
+fn run_evaluation(what: &str, evaluation: &Evaluation, session: &Session) -> Result<u8, Failure> {
+    let label = format!("{what} {}", file_name(&evaluation.spline));
     session.observe(&label, |observer| {
-        run::evaluate(&evaluation, session.process_start, observer)
+        run::evaluate(evaluation, session.process_start, observer)
     })
 }
 

@@ -32,6 +32,8 @@ fn main() -> ExitCode {
             Command::Info(info) => info::run(info, &session),
             Command::Fit { method } => commands::fit(method, &session),
             Command::Decompose(decompose) => commands::decompose(decompose, &session),
+            Command::Edit(edit) => commands::edit(edit, &session),
+            Command::Combine(combine) => commands::combine(combine, &session),
             Command::Evaluate(evaluate) => commands::evaluate(evaluate, &session),
         }
     });

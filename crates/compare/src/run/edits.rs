@@ -1,9 +1,9 @@
 //! Moving control points of a spline.
 
 use msplines_biharmonic::{BasisKind, BiharmonicSpline, ExplicitBasis};
-use msplines_common::Vector3;
 use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_common::progress::Observer;
+use msplines_common::{Point3, Vector3};
 use serde_json::json;
 
 use super::{Produced, enter, fitted};
@@ -16,6 +16,28 @@ use crate::spline_file::{StoredBiharmonic, StoredSpline};
 
 /// Vertices that move by more than this share of the largest movement count as moved.
 const MOVED: f64 = 0.01;
+
+/// Control points around a place that are moved together, in the coordinates of the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shift {
+    /// The place.
+    pub at: Point3<f64>,
+    /// By how much.
+    pub by: Vector3<f64>,
+    /// Distance within which control points move; the nearest one always does.
+    pub within: f64,
+}
+
+impl Shift {
+    fn of(step: &Move, mesh: &TriangleMesh) -> Self {
+        let [low, high] = mesh.bounding_box();
+        Self {
+            at: low + (high - low).component_mul(&Vector3::from(step.at)),
+            by: Vector3::from(step.by) * mesh.diagonal(),
+            within: step.within * mesh.diagonal(),
+        }
+    }
+}
 
 /// Fits a spline and moves its control points.
 ///
@@ -36,7 +58,12 @@ pub(super) fn edit(
     };
     let spline = stored.restore(&input.mesh)?;
     enter("domain", clock, observer);
-    let (edited, control_points) = moved(&spline, &edit.moves, observer)?;
+    let shifts: Vec<Shift> = edit
+        .moves
+        .iter()
+        .map(|m| Shift::of(m, &input.mesh))
+        .collect();
+    let (edited, control_points) = moved(&spline, &shifts, observer)?;
     enter("evaluate", clock, observer);
     let (mut values, before) = (edited.vertex_values()?, spline.vertex_values()?);
     let dimension = data.dimension;
@@ -70,22 +97,43 @@ pub(super) fn edit(
     Ok(produced)
 }
 
+/// Moves the control points of a stored spline.
+///
+/// # Errors
+/// A spline of another method, or one whose values are no points of space.
+pub(super) fn shifted(
+    stored: &StoredSpline,
+    shifts: &[Shift],
+    mesh: &TriangleMesh,
+    observer: &mut Observer<'_>,
+) -> Result<StoredSpline, RunError> {
+    let StoredSpline::Biharmonic(stored) = stored else {
+        return Err(RunError::Task {
+            task: "edit",
+            method: stored.method(),
+        });
+    };
+    let spline = stored.restore(mesh)?;
+    let (edited, _) = moved(&spline, shifts, observer)?;
+    Ok(StoredSpline::Biharmonic(StoredBiharmonic::of(&edited)))
+}
+
 /// Moves the control points around some places, and returns how many were moved.
 ///
 /// # Errors
 /// A spline that has no basis.
 pub(super) fn moved(
     spline: &BiharmonicSpline,
-    moves: &[Move],
+    steps: &[Shift],
     observer: &mut Observer<'_>,
 ) -> Result<(BiharmonicSpline, usize), RunError> {
     let mesh = spline.space().mesh();
     let (space, knots) = (spline.space(), spline.knots());
     let basis = ExplicitBasis::build(space, knots, BasisKind::JointQp, observer)?;
     let mut shifts = vec![Vector3::zeros(); knots.len()];
-    for step in moves {
+    for step in steps {
         for (knot, share) in around(mesh, knots, step) {
-            shifts[knot] += Vector3::from(step.by) * (mesh.diagonal() * share);
+            shifts[knot] += step.by * share;
         }
     }
     let listed: Vec<(usize, Vec<f64>)> = shifts
@@ -99,14 +147,11 @@ pub(super) fn moved(
 
 /// Returns the knots that a move takes along, and how far: wholly in its middle, not at all at its
 /// border. The nearest one goes wholly.
-fn around(mesh: &TriangleMesh, knots: &[u32], step: &Move) -> Vec<(usize, f64)> {
-    let [low, high] = mesh.bounding_box();
-    let middle = low + (high - low).component_mul(&Vector3::from(step.at));
-    let reach = step.within * mesh.diagonal();
-    let distance = |knot: usize| (mesh.positions()[knots[knot] as usize] - middle).norm();
+fn around(mesh: &TriangleMesh, knots: &[u32], step: &Shift) -> Vec<(usize, f64)> {
+    let distance = |knot: usize| (mesh.positions()[knots[knot] as usize] - step.at).norm();
     let nearest = (0..knots.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
     let share = |knot: usize| {
-        let relative = distance(knot) / reach;
+        let relative = distance(knot) / step.within;
         if Some(knot) == nearest {
             1.0
         } else if relative < 1.0 {

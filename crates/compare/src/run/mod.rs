@@ -3,6 +3,7 @@
 mod edits;
 mod layers;
 mod properties;
+mod sums;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -20,6 +21,8 @@ use crate::input::{FitData, LoadedInput, fit_data, load, load_domain};
 use crate::measure::{self, Measured};
 use crate::output::{check_outputs, write_outputs};
 use crate::record::{RUN_SCHEMA, Record, Tool};
+pub use edits::Shift;
+
 use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
 
 /// What a run gives.
@@ -60,15 +63,7 @@ pub fn run(
     }
     let data = fit_data(&case.data, &input)?;
     enter("domain", &mut clock, observer);
-    let produced = match &case.task {
-        Task::Fit => fitted(case, &input, &data, &mut clock, observer)?,
-        Task::Decompose { layers, factors } => {
-            let asked = (layers.as_slice(), factors.as_slice());
-            layers::decompose(case, &input, &data, asked, &mut clock, observer)?
-        }
-        Task::Edit(edit) => edits::edit(case, &input, &data, edit, &mut clock, observer)?,
-        Task::Properties => properties::measure(case, &input, &data, &mut clock, observer)?,
-    };
+    let produced = produce(case, &input, &data, &mut clock, observer)?;
     check_finite(&produced.values, data.dimension)?;
     enter("measure", &mut clock, observer);
     let mut measured = measure::against_data(&input, &data, &produced.fitted, &case.data);
@@ -116,6 +111,25 @@ pub fn run(
         names: data.names,
         fields: produced.fields,
     })
+}
+
+/// Does what the task of a case is.
+fn produce(
+    case: &Case,
+    input: &LoadedInput,
+    data: &FitData,
+    clock: &mut PhaseClock,
+    observer: &mut Observer<'_>,
+) -> Result<Produced, RunError> {
+    match &case.task {
+        Task::Fit => fitted(case, input, data, clock, observer),
+        Task::Decompose { layers, factors } => {
+            let asked = (layers.as_slice(), factors.as_slice());
+            layers::decompose(case, input, data, asked, clock, observer)
+        }
+        Task::Edit(edit) => edits::edit(case, input, data, edit, clock, observer),
+        Task::Properties => properties::measure(case, input, data, clock, observer),
+    }
 }
 
 /// What a task gives, before it is measured and written.
@@ -170,6 +184,10 @@ pub struct Evaluation {
     pub spline: PathBuf,
     /// The mesh that was fitted, where the file does not hold it.
     pub mesh: Option<PathBuf>,
+    /// Control points that are moved before.
+    pub shifts: Vec<Shift>,
+    /// Factor of the spline, and other splines on the same mesh that are added with theirs.
+    pub sum: Option<(f64, Vec<(PathBuf, f64)>)>,
     /// Rounds of midpoint subdivision.
     pub subdivide: u32,
     /// Files to write.
@@ -190,20 +208,28 @@ pub fn evaluate(
     check_outputs(&evaluation.outputs)?;
     let mut clock = PhaseClock::start(process_start);
     enter("read", &mut clock, observer);
-    let spline = SplineFile::read(&evaluation.spline)?;
+    let mut spline = SplineFile::read(&evaluation.spline)?;
     let input = load_domain(
         &spline,
         evaluation.mesh.as_deref(),
         &evaluation.spline,
         &mut clock,
     )?;
+    enter("domain", &mut clock, observer);
+    if let Some((factor, others)) = &evaluation.sum {
+        spline.spline = sums::sum(&spline, *factor, others, &input, &mut clock)?;
+    }
+    if !evaluation.shifts.is_empty() {
+        spline.spline = edits::shifted(&spline.spline, &evaluation.shifts, &input.mesh, observer)?;
+    }
     enter("evaluate", &mut clock, observer);
     let (mesh, values) = spline.spline.evaluate(&input.mesh, evaluation.subdivide)?;
     let dimension = spline.spline.dimension();
     check_finite(&values, dimension)?;
     enter("measure", &mut clock, observer);
     let names = component_names(&spline.options, dimension);
-    let measured = if names[0] == "x" {
+    let is_changed = evaluation.sum.is_some() || !evaluation.shifts.is_empty();
+    let measured = if names[0] == "x" && !is_changed {
         let data = fit_data(&Data::Positions, &input)?;
         measure::against_data(&input, &data, &values, &Data::Positions)
     } else {
