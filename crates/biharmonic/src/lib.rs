@@ -43,5 +43,5 @@ pub use options::{CreaseChoice, Effort, KnotChoice, Laplacian, Options, Selectio
 pub use select::Trial;
 pub use space::{Bilaplacian, Space};
 pub use spline::{BiharmonicSpline, Form, PartsError};
-pub use subdivision::Extension;
+pub use subdivision::{Extension, Scheme};
 pub use target::Target;

@@ -79,7 +79,10 @@ impl Space {
         let pieces = split.edges(creases.edges());
         let mesh = Arc::new(split.mesh.clone());
         let creases = Creases::along(&mesh, &pieces)?;
-        Ok((Self::on(domain, Some(split), mesh, laplacian, creases)?, vertices))
+        Ok((
+            Self::on(domain, Some(split), mesh, laplacian, creases)?,
+            vertices,
+        ))
     }
 
     /// Builds the space again that had these [`Self::added_points`] and creases.

@@ -8,7 +8,7 @@ use msplines_common::mesh::TriangleMesh;
 
 use crate::Space;
 use crate::knot_values::KnotValues;
-use crate::subdivision::{Extension, extend};
+use crate::subdivision::{Extension, Scheme, extend};
 
 /// Why parts do not make a spline.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -208,7 +208,26 @@ impl BiharmonicSpline {
         extension: Extension,
     ) -> Result<(TriangleMesh, Vec<f64>), EvaluateError> {
         let f = self.at_vertices()?;
-        let (mesh, f) = extend(&self.space, f, rounds, extension).map_err(unsolvable)?;
+        let (mesh, f) =
+            extend(&self.space, f, rounds, extension, Scheme::Planar).map_err(unsolvable)?;
+        Ok((mesh, row_major(&f, &self.offset())))
+    }
+
+    /// Returns a subdivision of the mesh by any scheme, and what comes out when the values of its new
+    /// vertices are solved for as if it were the domain: the spline for the planar one only.
+    ///
+    /// # Reference
+    /// [Hou2017] §5, Remark 2.
+    ///
+    /// # Errors
+    /// A subdivision whose system cannot be factored.
+    pub fn extension_by(
+        &self,
+        scheme: Scheme,
+        rounds: u32,
+    ) -> Result<(TriangleMesh, Vec<f64>), EvaluateError> {
+        let (f, weighted) = (self.at_vertices()?, Extension::AreaWeighted);
+        let (mesh, f) = extend(&self.space, f, rounds, weighted, scheme).map_err(unsolvable)?;
         Ok((mesh, row_major(&f, &self.offset())))
     }
 

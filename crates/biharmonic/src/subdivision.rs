@@ -6,7 +6,10 @@
 //! squared Laplacian. The area-weighted variant minimises the integral instead of the sum.
 
 use msplines_common::linalg::{Cholesky, Mat, Ordering, Symbolic};
-use msplines_common::mesh::{TriangleMesh, subdivide_midpoint};
+use msplines_common::mesh::{
+    TriangleMesh, subdivide_butterfly, subdivide_loop, subdivide_midpoint,
+};
+use serde::{Deserialize, Serialize};
 
 use crate::space::{energy, operators};
 use crate::{FitError, Space};
@@ -21,6 +24,19 @@ pub enum Extension {
     Literal,
 }
 
+/// The vertices of the subdivided mesh on which a spline is extended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scheme {
+    /// On the edges of the mesh: the surface stays, and the extension is the spline.
+    #[default]
+    Planar,
+    /// Where Loop subdivision puts them: another surface, on which the values mean nothing.
+    Loop,
+    /// Where modified butterfly subdivision puts them: another surface as well.
+    Butterfly,
+}
+
 /// Returns the subdivision of the domain after some rounds and the extension of `f` to its vertices.
 ///
 /// # Reference
@@ -31,6 +47,7 @@ pub(crate) fn extend(
     f: &Mat<f64>,
     rounds: u32,
     extension: Extension,
+    scheme: Scheme,
 ) -> Result<(TriangleMesh, Mat<f64>), FitError> {
     let coarse = space.mesh();
     let mut mesh = TriangleMesh::clone(coarse);
@@ -46,6 +63,12 @@ pub(crate) fn extend(
         rank = refined_rank(&mesh, &rank);
         mesh = subdivide_midpoint(&mesh, 1).0;
     }
+    // All schemes number their vertices and faces alike.
+    let mesh = match scheme {
+        Scheme::Planar => mesh,
+        Scheme::Loop => subdivide_loop(coarse, rounds),
+        Scheme::Butterfly => subdivide_butterfly(coarse, rounds),
+    };
     let fine = operators(&mesh, space.laplacian())?;
     let matrix = match extension {
         Extension::AreaWeighted => {

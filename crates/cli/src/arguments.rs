@@ -51,6 +51,8 @@ pub(crate) enum Command {
         #[command(subcommand)]
         method: Fit,
     },
+    /// Split a surface into layers of biharmonic B-splines, and put it together again.
+    Decompose(Decompose),
     /// Evaluate a spline file.
     Evaluate(Evaluate),
 }
@@ -83,6 +85,15 @@ pub(crate) struct FitFiles {
     /// for the spline.
     #[arg(short, long = "output", value_name = "OUT")]
     pub(crate) outputs: Vec<PathBuf>,
+    /// What is fitted: the positions, the colours of the vertices, or the numbers in a NumPy array or
+    /// text file with a row for every vertex.
+    #[arg(
+        long,
+        value_name = "positions|colors|FILE",
+        default_value = "positions",
+        conflicts_with = "attributes"
+    )]
+    pub(crate) data: String,
     /// Fit these vertex attributes instead of the positions, such as red,green,blue.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) attributes: Vec<String>,
@@ -99,12 +110,37 @@ pub(crate) struct FitFiles {
 pub(crate) struct Biharmonic {
     #[command(flatten)]
     pub(crate) files: FitFiles,
-    /// Number of knots, or percentage of the vertices: 1500 or 3%; `all` interpolates every vertex.
-    #[arg(long, value_name = "N|P%|all", required_unless_present = "knots_from")]
+    /// Number of knots, or percentage of the vertices: 1500 or 3%; `all` interpolates every vertex,
+    /// `auto` takes as many as the noise of the data bears.
+    #[arg(
+        long,
+        value_name = "N|P%|all|auto",
+        required_unless_present = "knots_from"
+    )]
     pub(crate) knots: Option<Knots>,
     /// Take the vertices nearest to the points of this mesh or point file as knots.
     #[arg(long, value_name = "FILE", conflicts_with = "knots")]
     pub(crate) knots_from: Option<PathBuf>,
+    /// Place those knots at the nearest points of the surface, inside faces as well.
+    #[arg(long, requires = "knots_from")]
+    pub(crate) inside_faces: bool,
+    #[command(flatten)]
+    pub(crate) choices: BiharmonicChoices,
+}
+
+/// What is chosen about biharmonic B-splines, whatever is done with them.
+#[derive(Debug, Args)]
+pub(crate) struct BiharmonicChoices {
+    /// How the places of the knots are chosen.
+    #[arg(long, value_enum, default_value_t = Selection::Exchange)]
+    pub(crate) selection: Selection,
+    /// Edges where the surface may be sharp: those whose faces meet at more than so many degrees, or
+    /// those in a text file, two vertices a line, counted from zero.
+    #[arg(long, value_name = "ANGLE|FILE")]
+    pub(crate) features: Option<String>,
+    /// How much each vertex counts: a NumPy array or text file with a number for every vertex.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) weights: Option<PathBuf>,
     /// How long knots are optimised.
     #[arg(long, value_enum, default_value_t = Effort::Standard)]
     pub(crate) effort: Effort,
@@ -112,6 +148,17 @@ pub(crate) struct Biharmonic {
     /// triangles.
     #[arg(long)]
     pub(crate) intrinsic_delaunay: bool,
+}
+
+/// How the places of knots are chosen.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Selection {
+    /// Backward elimination from a dense sample, then exchange.
+    Exchange,
+    /// A sample that is denser where the data bends.
+    Curvature,
+    /// An even sample.
+    BlueNoise,
 }
 
 /// How long knots are optimised.
@@ -123,6 +170,27 @@ pub(crate) enum Effort {
     Standard,
     /// More, smaller rounds.
     Best,
+}
+
+/// `msplines decompose`.
+#[derive(Debug, Args)]
+pub(crate) struct Decompose {
+    #[command(flatten)]
+    pub(crate) files: FitFiles,
+    /// Knots of each layer, coarse to fine, as numbers or percentages of the vertices.
+    #[arg(long, value_name = "N|P%,...", value_delimiter = ',', required = true)]
+    pub(crate) layers: Vec<Amount>,
+    /// Factor of each layer and of what the layers leave; all 1 where absent, which gives the input
+    /// back. Larger ones exaggerate, zero leaves out.
+    #[arg(
+        long,
+        value_name = "F,...",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    pub(crate) factors: Vec<f64>,
+    #[command(flatten)]
+    pub(crate) choices: BiharmonicChoices,
 }
 
 /// `msplines fit ls-mesh`.

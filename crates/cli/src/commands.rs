@@ -1,14 +1,20 @@
 //! `msplines fit` and `msplines evaluate`: thin callers of the harness.
 
 use msplines_biharmonic::Laplacian;
-use msplines_compare::case::{BiharmonicMethod, Case, Data, DomainStorage, Input, Knots, Method};
+use msplines_compare::case::{
+    BiharmonicMethod, Case, CaseCreases, Data, DomainStorage, Input, Knots, Method, Task, Weights,
+};
 use msplines_compare::error::exit;
 use msplines_compare::input::file_name;
 use msplines_compare::run::{self, Evaluation};
-use msplines_ls_mesh::{Constraints, Selection};
 
-use crate::arguments::{Effort, Evaluate, Fit, FitFiles};
+use msplines_ls_mesh::Constraints;
+
+use crate::arguments::{BiharmonicChoices, Decompose, Effort, Evaluate, Fit, FitFiles, Selection};
 use crate::session::{Failure, Session};
+
+/// Attributes that hold the colours of vertices.
+const COLOURS: [&str; 3] = ["red", "green", "blue"];
 
 /// Fits a spline.
 pub(crate) fn fit(fit: &Fit, session: &Session) -> Result<u8, Failure> {
@@ -43,9 +49,11 @@ fn case(files: &FitFiles, method: Method, session: &Session) -> Case {
         path: files.input.clone(),
         repair: session.repair,
     };
-    let data = match files.attributes.as_slice() {
-        [] => Data::Positions,
-        names => Data::Attributes(names.to_vec()),
+    let data = match (files.attributes.as_slice(), files.data.as_str()) {
+        ([], "positions") => Data::Positions,
+        ([], "colors") => Data::Attributes(COLOURS.map(str::to_owned).to_vec()),
+        ([], file) => Data::Array(file.into()),
+        (names, _) => Data::Attributes(names.to_vec()),
     };
     let domain = if files.domain_by_digest {
         DomainStorage::Digest
@@ -66,6 +74,7 @@ fn case(files: &FitFiles, method: Method, session: &Session) -> Case {
 
 fn biharmonic(arguments: &crate::arguments::Biharmonic) -> Result<Method, Failure> {
     let knots = match (&arguments.knots_from, &arguments.knots) {
+        (Some(points), _) if arguments.inside_faces => Knots::At(points.clone()),
         (Some(points), _) => Knots::Near(points.clone()),
         (None, Some(knots)) => knots.clone(),
         (None, None) => {
@@ -75,19 +84,58 @@ fn biharmonic(arguments: &crate::arguments::Biharmonic) -> Result<Method, Failur
             });
         }
     };
-    Ok(Method::Biharmonic(BiharmonicMethod {
-        effort: match arguments.effort {
+    Ok(Method::Biharmonic(chosen(&arguments.choices, knots)))
+}
+
+fn chosen(choices: &BiharmonicChoices, knots: Knots) -> BiharmonicMethod {
+    BiharmonicMethod {
+        selection: match choices.selection {
+            Selection::Exchange => msplines_biharmonic::Selection::Exchange,
+            Selection::Curvature => msplines_biharmonic::Selection::Curvature,
+            Selection::BlueNoise => msplines_biharmonic::Selection::BlueNoise,
+        },
+        effort: match choices.effort {
             Effort::Fast => msplines_biharmonic::Effort::Fast,
             Effort::Standard => msplines_biharmonic::Effort::Standard,
             Effort::Best => msplines_biharmonic::Effort::Best,
         },
-        laplacian: if arguments.intrinsic_delaunay {
+        laplacian: if choices.intrinsic_delaunay {
             Laplacian::IntrinsicDelaunay
         } else {
             Laplacian::Cotangent
         },
+        creases: match &choices.features {
+            None => CaseCreases::None,
+            Some(text) => match text.parse() {
+                Ok(degrees) => CaseCreases::SharperThan(degrees),
+                Err(_) => CaseCreases::Along(text.into()),
+            },
+        },
+        weights: choices.weights.clone().map(Weights::File),
         ..BiharmonicMethod::new(knots)
-    }))
+    }
+}
+
+/// Splits a surface into layers.
+pub(crate) fn decompose(decompose: &Decompose, session: &Session) -> Result<u8, Failure> {
+    let layers = &decompose.layers;
+    let factors = match decompose.factors.as_slice() {
+        [] => vec![1.0; layers.len() + 1],
+        factors => factors.to_vec(),
+    };
+    // The task names the knots of every layer.
+    let method = chosen(&decompose.choices, Knots::Optimised(layers[0]));
+    let case = Case {
+        task: Task::Decompose {
+            layers: layers.clone(),
+            factors,
+        },
+        ..case(&decompose.files, Method::Biharmonic(method), session)
+    };
+    let label = format!("decompose {}", file_name(&decompose.files.input));
+    session.observe(&label, |observer| {
+        run::run(&case, session.process_start, observer)
+    })
 }
 
 fn ls_mesh(arguments: &crate::arguments::LsMesh) -> Method {
@@ -95,8 +143,8 @@ fn ls_mesh(arguments: &crate::arguments::LsMesh) -> Method {
     Method::LsMesh {
         controls: arguments.controls,
         selection: match (arguments.greedy, arguments.solves) {
-            (true, _) => Selection::Greedy,
-            (false, Some(solves)) => Selection::Combined {
+            (true, _) => msplines_ls_mesh::Selection::Greedy,
+            (false, Some(solves)) => msplines_ls_mesh::Selection::Combined {
                 solves: solves as usize,
             },
             (false, None) => defaults.selection,

@@ -31,6 +31,7 @@ fn main() -> ExitCode {
         match &arguments.command {
             Command::Info(info) => info::run(info, &session),
             Command::Fit { method } => commands::fit(method, &session),
+            Command::Decompose(decompose) => commands::decompose(decompose, &session),
             Command::Evaluate(evaluate) => commands::evaluate(evaluate, &session),
         }
     });

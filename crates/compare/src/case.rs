@@ -57,7 +57,7 @@ impl Case {
     pub(crate) fn files_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
         let (mut knots, mut creases, mut weights, mut data) = (None, None, None, None);
         if let Method::Biharmonic(method) = &mut self.method {
-            if let Knots::Near(points) = &mut method.knots {
+            if let Knots::Near(points) | Knots::At(points) = &mut method.knots {
                 knots = Some(points);
             }
             if let CaseCreases::Along(edges) = &mut method.creases {
@@ -250,17 +250,22 @@ pub enum Knots {
     Optimised(Amount),
     /// At every vertex: the spline interpolates.
     All,
+    /// As many as the noise of the data bears, at optimised places.
+    Auto,
     /// At the vertices nearest to the points of this file, each vertex once.
     Near(PathBuf),
+    /// At the points of the surface nearest to the points of this file, each point once.
+    At(PathBuf),
 }
 
 impl FromStr for Knots {
     type Err = AmountError;
 
-    /// Reads `all`, or an [`Amount`].
+    /// Reads `all`, `auto`, or an [`Amount`].
     fn from_str(text: &str) -> Result<Self, AmountError> {
         match text.trim() {
             "all" => Ok(Self::All),
+            "auto" => Ok(Self::Auto),
             amount => amount.parse().map(Self::Optimised),
         }
     }

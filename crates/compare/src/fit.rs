@@ -13,7 +13,7 @@ use crate::arrays;
 use crate::case::{Amount, BiharmonicMethod, Case, CaseCreases, Knots, Method};
 use crate::clock::PhaseClock;
 use crate::error::RunError;
-use crate::input::{FitData, LoadedInput, nearest_vertices};
+use crate::input::{FitData, LoadedInput, nearest_points, nearest_vertices};
 use crate::spline_file::{StoredBiharmonic, StoredSpline};
 
 /// Phases of a fit that a record tells apart.
@@ -94,7 +94,9 @@ pub(crate) fn biharmonic_options(
                 count: count(*amount, "--knots", mesh)?,
             },
             Knots::All => biharmonic::KnotChoice::All,
+            Knots::Auto => biharmonic::KnotChoice::CrossValidated,
             Knots::Near(points) => biharmonic::KnotChoice::Given(nearest_vertices(mesh, points)?),
+            Knots::At(points) => biharmonic::KnotChoice::At(nearest_points(mesh, points)?),
         },
         selection: method.selection,
         effort: method.effort,

@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use msplines_common::Point3;
-use msplines_common::mesh::{Facts, Policy, PolygonSoup, TriangleMesh, VertexAttribute, accept};
+use msplines_common::mesh::{
+    Facts, Policy, PolygonSoup, SurfacePoint, TriangleMesh, VertexAttribute, accept, split_at,
+};
+use msplines_common::metrics::SurfaceTree;
 use msplines_io::{read_points, read_soup, sha256_file};
 use rayon::prelude::*;
 
@@ -306,15 +309,7 @@ fn missing_attribute(name: &str, input: &LoadedInput) -> RunError {
 /// # Errors
 /// A file that cannot be read, or whose points are not all finite.
 pub fn nearest_vertices(mesh: &TriangleMesh, points: &Path) -> Result<Vec<u32>, RunError> {
-    let refused = |reason: String| RunError::KnotPoints {
-        file: file_name(points),
-        reason,
-    };
-    let places = read_points(points).map_err(|e| refused(e.to_string()))?;
-    let finite = |p: &Point3<f64>| p.iter().all(|x| x.is_finite());
-    if let Some(index) = places.iter().position(|p| !finite(p)) {
-        return Err(refused(format!("point {index} is not finite")));
-    }
+    let places = knot_places(points)?;
     let nearest = |point: &Point3<f64>| {
         let mut best = (f64::INFINITY, 0);
         for (vertex, position) in mesh.positions().iter().enumerate() {
@@ -329,6 +324,45 @@ pub fn nearest_vertices(mesh: &TriangleMesh, points: &Path) -> Result<Vec<u32>, 
     vertices.sort_unstable();
     vertices.dedup();
     Ok(vertices)
+}
+
+/// Returns the points in a file that are to be the places of knots.
+fn knot_places(points: &Path) -> Result<Vec<Point3<f64>>, RunError> {
+    let refused = |reason: String| RunError::KnotPoints {
+        file: file_name(points),
+        reason,
+    };
+    let places = read_points(points).map_err(|e| refused(e.to_string()))?;
+    let finite = |p: &Point3<f64>| p.iter().all(|x| x.is_finite());
+    match places.iter().position(|p| !finite(p)) {
+        Some(index) => Err(refused(format!("point {index} is not finite"))),
+        None => Ok(places),
+    }
+}
+
+/// Returns the points of the surface nearest to the vertices of the file `points`, each once.
+///
+/// # Errors
+/// A file that cannot be read, or whose points are not all finite.
+pub fn nearest_points(mesh: &TriangleMesh, points: &Path) -> Result<Vec<SurfacePoint>, RunError> {
+    let places = knot_places(points)?;
+    let tree = SurfaceTree::build(mesh);
+    let nearest: Vec<SurfacePoint> = places
+        .par_iter()
+        .filter_map(|place| tree.closest(place).map(|closest| closest.point))
+        .collect();
+    let split = split_at(mesh, &nearest).map_err(|e| RunError::KnotPoints {
+        file: file_name(points),
+        reason: e.to_string(),
+    })?;
+    // Points on two sides of an edge may be the same vertex.
+    let mut seen = vec![false; split.mesh.vertex_count()];
+    let first = |vertex: u32| !std::mem::replace(&mut seen[vertex as usize], true);
+    let kept: Vec<bool> = split.vertices.iter().copied().map(first).collect();
+    let pairs = nearest.into_iter().zip(kept);
+    Ok(pairs
+        .filter_map(|(point, kept)| kept.then_some(point))
+        .collect())
 }
 
 /// Returns bytes as lower-case hexadecimal digits.
@@ -401,5 +435,11 @@ mod tests {
             text.starts_with("--knots-from none.ply: cannot read"),
             "{text}"
         );
+        let on_surface = nearest_points(&mesh, &path).expect("points");
+        assert_eq!(on_surface.len(), 2);
+        for (point, vertex) in on_surface.iter().zip([7, 3]) {
+            let apart = (mesh.position(*point) - mesh.positions()[vertex]).norm();
+            assert!(apart < 1e-9, "{apart}");
+        }
     }
 }

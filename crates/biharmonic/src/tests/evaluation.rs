@@ -7,7 +7,7 @@ use msplines_common::progress::unobserved;
 
 use super::{largest, positions, space, spread_knots};
 use crate::subdivision::extend;
-use crate::{BiharmonicSpline, Extension, Form, KnotChoice, Options, PartsError, fit};
+use crate::{BiharmonicSpline, Extension, Form, KnotChoice, Options, PartsError, Scheme, fit};
 
 fn small_spline() -> BiharmonicSpline {
     let mesh = zoo::closed();
@@ -112,7 +112,7 @@ fn one_subdivision_solve_equals_the_loop_over_knots() {
         for (k, &knot) in spline.knots().iter().enumerate() {
             let delta = Mat::from_fn(n, 1, |v, _| f64::from(u8::from(v == knot as usize)));
             let green = space.poisson().unwrap().solve_biharmonic(delta);
-            let (_, column) = extend(space, &green, 1, extension).unwrap();
+            let (_, column) = extend(space, &green, 1, extension, Scheme::Planar).unwrap();
             for v in 0..fine.vertex_count() {
                 for c in 0..3 {
                     sum[(v, c)] += coefficients[3 * k + c] * column[(v, 0)];
@@ -150,6 +150,22 @@ fn subdivision_keeps_vertices_and_refines_towards_the_surface() {
         difference < 2e-3 * spline.space().mesh().diagonal(),
         "{difference}"
     );
+}
+
+/// On another surface than the domain the extension is another function.
+#[test]
+fn only_the_planar_subdivision_gives_the_spline() {
+    let spline = small_spline();
+    let (_, expected) = spline
+        .subdivision_values(1, Extension::AreaWeighted)
+        .unwrap();
+    let largest = |scheme| {
+        let (_, values) = spline.extension_by(scheme, 1).unwrap();
+        let apart = values.iter().zip(&expected).map(|(a, b)| (a - b).abs());
+        apart.fold(0.0, f64::max)
+    };
+    assert_eq!(largest(Scheme::Planar), 0.0);
+    assert!(largest(Scheme::Loop) > 1e-4 && largest(Scheme::Butterfly) > 1e-4);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use msplines_common::evaluate::VertexData;
 use msplines_common::linalg::Mat;
-use msplines_common::mesh::{TriangleMesh, zoo};
+use msplines_common::mesh::{TriangleMesh, double_cover, zoo};
 use msplines_common::progress::{Outcome, unobserved};
 use proptest::prelude::*;
 
@@ -64,24 +64,7 @@ fn open_mesh_equals_its_double_cover() {
     const TOLERANCE: f64 = 1e-12;
     let open = zoo::with_two_boundaries();
     let n = open.vertex_count();
-    let topology = open.topology();
-    let mut other = Vec::new();
-    let mut positions = open.positions().to_vec();
-    for v in 0..n as u32 {
-        if topology.is_boundary_vertex(v) {
-            other.push(v);
-        } else {
-            other.push(positions.len() as u32);
-            positions.push(open.positions()[v as usize]);
-        }
-    }
-    let mut faces = open.faces().to_vec();
-    faces.extend(
-        open.faces()
-            .iter()
-            .map(|f| [f[0], f[2], f[1]].map(|v| other[v as usize])),
-    );
-    let cover = TriangleMesh::build(positions, faces).unwrap();
+    let (cover, other) = double_cover(&open).unwrap();
     assert!(cover.topology().boundary_loops().is_empty());
     let knots = spread_knots(n, 30);
     let mut both: Vec<u32> = knots.iter().flat_map(|&k| [k, other[k as usize]]).collect();

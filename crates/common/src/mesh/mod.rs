@@ -6,6 +6,7 @@
 //! positions over the same connectivity cost no topology.
 
 mod accept;
+mod cover;
 mod decimate;
 mod defect;
 mod disjoint_sets;
@@ -31,6 +32,7 @@ pub mod shapes;
 pub mod zoo;
 
 pub use accept::{Accepted, Policy, PreflightError, accept};
+pub use cover::double_cover;
 pub use decimate::{DecimateError, Decimated, decimate};
 pub use defect::{Defect, Remedy};
 pub use facts::{Facts, Range};
