@@ -36,13 +36,13 @@ impl LsMesh {
     /// # Errors
     /// Controls, values or a weight that do not fit the mesh.
     pub fn from_parts(
-        mesh: TriangleMesh,
+        mesh: &TriangleMesh,
         constraints: Constraints,
         dimension: usize,
         controls: Vec<u32>,
         control_values: Vec<f64>,
     ) -> Result<Self, FitError> {
-        let space = Space::assemble(&mesh)?;
+        let space = Space::assemble(mesh)?;
         Self::from_parts_in(&space, constraints, dimension, controls, control_values)
     }
 

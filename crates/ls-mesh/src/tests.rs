@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 use crate::space::Space;
 use crate::system::System;
-use crate::{Constraints, ControlChoice, FitError, LsMesh, Options, Selection, fit};
+use crate::{Constraints, ControlChoice, FitError, LsMesh, Options, Selection, fit, fit_in};
 
 /// Two backward-stable solutions of systems of condition below 1e5.
 const SOLVE_TOLERANCE: f64 = 1e-10;
@@ -331,7 +331,7 @@ fn stored_controls_give_the_same_bits() {
             &selected(31, Selection::Combined { solves: 4 }, constraints),
         );
         let (controls, values) = (spline.controls().to_vec(), spline.control_values().to_vec());
-        let stored = LsMesh::from_parts(mesh.clone(), constraints, 3, controls, values).unwrap();
+        let stored = LsMesh::from_parts(&mesh, constraints, 3, controls, values).unwrap();
         assert_eq!(stored.vertex_values(), spline.vertex_values());
     }
 }

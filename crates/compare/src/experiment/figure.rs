@@ -33,6 +33,8 @@ pub struct Panel {
     pub row: String,
     /// What is shown of it.
     pub show: Show,
+    /// Which frame of a row about an animation; its last shown one where absent.
+    pub frame: Option<usize>,
     /// What stands below it; the label of the row where absent.
     pub label: Option<String>,
     /// Which edges are drawn.

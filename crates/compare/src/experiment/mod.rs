@@ -1,6 +1,7 @@
 //! Experiments: one file per table or figure of a paper, with what it prints and what we say to it.
 
 mod figure;
+mod over_time;
 mod row;
 
 use std::collections::BTreeSet;
@@ -11,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::generated::GeneratedSurface;
 
 pub use figure::{Axis, Callout, Corner, Edges, Figure, Panel, Plot, Show, UpAxis, ViewHint};
+pub use over_time::RowFrames;
 pub use row::{Ancestors, MethodName, Printed, Recorded, Row, RowData};
 
 /// The schema of [`Experiment`].
@@ -188,7 +190,7 @@ impl Experiment {
         if row.model.is_some() == row.surface.is_some() {
             return Some("give either `model` or `surface`".to_owned());
         }
-        if let Some(problem) = row.knots_problem() {
+        if let Some(problem) = row.knots_problem().or_else(|| row.frames_problem()) {
             return Some(problem);
         }
         if let Some(Err(error)) = row.surface.as_ref().map(|s| s.parse::<GeneratedSurface>()) {
@@ -231,7 +233,13 @@ impl Experiment {
                 return Some((id.clone(), problem.to_owned()));
             }
         }
-        None
+        self.figures.iter().find_map(|figure| {
+            let problem = figure.panels.iter().find_map(|panel| {
+                let row = self.rows.iter().find(|row| row.id == panel.row)?;
+                over_time::panel_problem(panel, row)
+            });
+            Some((figure.id.clone(), problem?))
+        })
     }
 }
 

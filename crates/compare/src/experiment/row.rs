@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use super::RowFrames;
 use crate::case::{Amount, AmountError, Case, CaseCreases, Data, Input, Knots, Method};
 
 /// One row of an experiment.
@@ -30,6 +31,8 @@ pub struct Row {
     /// What is fitted.
     #[serde(default)]
     pub data: RowData,
+    /// Frames of an animation, in place of one surface.
+    pub over_time: Option<RowFrames>,
     /// How knots are chosen; the method's default where absent.
     pub selection: Option<msplines_biharmonic::Selection>,
     /// Degrees beyond which edges are creases; none where absent.
@@ -175,6 +178,13 @@ impl Row {
             (Some(text), None) if takes_places => text.parse::<Knots>().err().map(|e| refused(&e)),
             (Some(text), None) => text.parse::<Amount>().err().map(|e| refused(&e)),
         }
+    }
+
+    /// Returns whether its evaluation is a quantity of its own: at other points than the data, or of
+    /// every frame of an animation.
+    #[must_use]
+    pub fn is_evaluated(&self) -> bool {
+        self.subdivide > 0 || self.over_time.is_some()
     }
 
     /// Returns how many knots are asked for, as tables say it.

@@ -84,7 +84,8 @@ pub fn error_quantity(report: &RowReport) -> Quantity {
         .result
         .record()
         .and_then(|record| record.error.as_ref());
-    let in_decibels = report.row.data == crate::experiment::RowData::ColourPattern;
+    let over_time = report.row.over_time.is_some();
+    let in_decibels = over_time || report.row.data == crate::experiment::RowData::ColourPattern;
     let mut quantity = if in_decibels {
         let ours = error.and_then(|error| error.psnr_db);
         Quantity::new("psnr_db", Unit::Decibel, printed.psnr_db, ours)
@@ -122,9 +123,13 @@ pub fn cost_quantities(report: &RowReport) -> Vec<Quantity> {
             seconds(&["fit"]),
         ),
     ];
-    if report.row.subdivide > 0 {
-        let points = record.and_then(|record| record.checks.get("evaluated_points")?.as_f64());
-        let evaluate = seconds(&["evaluate"]);
+    if report.row.is_evaluated() {
+        let check = |name: &str| record.and_then(|record| record.checks.get(name)?.as_f64());
+        let points = check("evaluated_points");
+        let evaluate = match report.row.over_time {
+            Some(_) => check("evaluate_seconds_median"),
+            None => seconds(&["evaluate"]),
+        };
         let paper = printed.evaluate_seconds;
         quantities.push(Quantity::new(
             "evaluate_seconds",

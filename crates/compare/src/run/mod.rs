@@ -1,5 +1,8 @@
 //! One run: read, fit, evaluate what is stored, measure it, write it, and record it all.
 
+mod frames;
+mod shared_space;
+
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -18,6 +21,8 @@ use crate::output::{check_outputs, write_outputs};
 use crate::record::{RUN_SCHEMA, Record, Tool};
 use crate::spline_file::{SplineFile, StoredDomain, StoredMesh};
 
+pub use frames::ShownFrame;
+
 /// What a run gives.
 #[derive(Clone, Debug)]
 pub struct RunOutput {
@@ -31,6 +36,8 @@ pub struct RunOutput {
     pub values: Vec<f64>,
     /// Names of the components, `x, y, z` for positions.
     pub names: Vec<String>,
+    /// Frames of an animation that pictures show; the spline and its values are those of the last.
+    pub frames: Vec<ShownFrame>,
 }
 
 /// Runs a case and writes its outputs.
@@ -49,6 +56,9 @@ pub fn run(
     let mut clock = PhaseClock::start(process_start);
     announce("read", observer);
     let input = load(&case.input, &mut clock)?;
+    if let Some(over_time) = frames::asked(case, &input)? {
+        return frames::run(case, &over_time, &input, &mut clock, observer);
+    }
     let data = fit_data(&case.data, &input)?;
     enter("domain", &mut clock, observer);
     let fitted = fit(case, &input, &data, &mut clock, observer)?;
@@ -91,6 +101,7 @@ pub fn run(
         mesh,
         values,
         names: data.names,
+        frames: Vec::new(),
     })
 }
 
@@ -134,7 +145,9 @@ pub fn evaluate(
     check_finite(&values, dimension)?;
     enter("measure", &mut clock, observer);
     let names = component_names(&spline.options, dimension);
-    let measured = if names[0] == "x" {
+    // A frame of an animation is no fit of its domain.
+    let is_frame = spline.options.get("frame").is_some();
+    let measured = if names[0] == "x" && !is_frame {
         let data = fit_data(&Data::Positions, &input)?;
         measure::against_data(&input, &data, &values, &Data::Positions)
     } else {
@@ -161,6 +174,7 @@ pub fn evaluate(
         mesh,
         values,
         names,
+        frames: Vec::new(),
     })
 }
 

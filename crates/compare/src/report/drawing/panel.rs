@@ -36,6 +36,8 @@ pub(super) struct Picture {
 /// What a panel shows, ready to be drawn.
 struct Stage<'a> {
     mesh: &'a TriangleMesh,
+    /// The surface that the camera is turned to.
+    framed: &'a TriangleMesh,
     paint: Paint<'a>,
     colours: Vec<Rgb>,
     edges: Vec<[u32; 2]>,
@@ -77,8 +79,13 @@ fn stage<'a>(
     percent: &'a [f64],
     fitted: &'a TriangleMesh,
 ) -> Stage<'a> {
+    // Knots are known by their places on the domain.
+    let framed = match panel.show {
+        Show::Knots => source.input(),
+        Show::Input | Show::Spline | Show::Error => source.original(),
+    };
     let mesh = match panel.show {
-        Show::Input | Show::Knots => source.input(),
+        Show::Input | Show::Knots => framed,
         Show::Spline => &source.spline,
         Show::Error => fitted,
     };
@@ -107,6 +114,7 @@ fn stage<'a>(
     let [thinnest, thickest] = EDGE_WIDTHS;
     Stage {
         mesh,
+        framed,
         paint,
         colours,
         edges,
@@ -123,7 +131,7 @@ fn stage<'a>(
             Show::Input | Show::Spline | Show::Error => &[],
         },
         // All pictures of a row are seen by the same camera.
-        camera: Camera::framing(source.input().positions(), &view(panel, source)),
+        camera: Camera::framing(framed.positions(), &view(panel, source)),
     }
 }
 
@@ -232,7 +240,7 @@ fn turnable(stage: &Stage<'_>, source: &Source, pixels: usize) -> String {
     };
     let knots: Vec<[f64; 3]> = stage.knots.iter().map(array).collect();
     let camera = stage.camera;
-    let [low, high] = source.input().bounding_box();
+    let [low, high] = stage.framed.bounding_box();
     let target = camera.target(&(low + (high - low) * 0.5));
     let distance = (target - camera.eye()).norm();
     let pixel = 2.0 * distance * (camera.field_of_view() / 2.0).tan() / pixels as f64;

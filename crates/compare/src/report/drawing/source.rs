@@ -8,6 +8,7 @@ use msplines_common::mesh::{Decimated, TriangleMesh, VertexAttribute, decimate, 
 use msplines_io::read_points;
 use msplines_picture::Rgb;
 
+use super::frames;
 use crate::campaign::{RowReport, Sources};
 use crate::case::{Data, Input};
 use crate::clock::PhaseClock;
@@ -65,6 +66,8 @@ impl Domain {
 pub(super) struct Source {
     /// The domain.
     pub(super) domain: Arc<Domain>,
+    /// The surface that was fitted, where that is a frame of an animation of the domain.
+    frame: Option<TriangleMesh>,
     /// The spline where it was evaluated; the domain where the data are colours.
     pub(super) spline: TriangleMesh,
     /// Colours of the data and of the spline, where the data are colours.
@@ -81,7 +84,11 @@ pub(super) struct Source {
 
 impl Source {
     /// Loads the files of a row that ran, or says why they cannot be used.
-    pub(super) fn load(report: &RowReport, domains: &Domains) -> Result<Self, String> {
+    pub(super) fn load(
+        report: &RowReport,
+        frame: Option<usize>,
+        domains: &Domains,
+    ) -> Result<Self, String> {
         let missing = || "its files are missing; run the row again with --fresh".to_owned();
         let sources = report.sources.as_ref().ok_or_else(missing)?;
         let Sources { input, files, view } = sources;
@@ -91,9 +98,19 @@ impl Source {
             RowData::Positions => Data::Positions,
             RowData::ColourPattern => Data::ColourPattern,
         };
-        let data = fit_data(&data, input).map_err(|e| e.to_string())?;
-        let (spline, attributes) =
-            read_surface(&files.join(ROW_SURFACE)).map_err(|e| e.to_string())?;
+        let mut data = fit_data(&data, input).map_err(|e| e.to_string())?;
+        let frame = frames::load(report, frame, files, &input.mesh)?;
+        let (spline, attributes, frame) = match frame {
+            Some([original, spline]) => {
+                data.values = coordinates(&original);
+                (spline, Vec::new(), Some(original))
+            }
+            None => {
+                let surface = read_surface(&files.join(ROW_SURFACE));
+                let (spline, attributes) = surface.map_err(|e| e.to_string())?;
+                (spline, attributes, None)
+            }
+        };
         if spline.vertex_count() < input.mesh.vertex_count() {
             return Err(missing());
         }
@@ -103,6 +120,7 @@ impl Source {
             errors: errors(&data, &values),
             colours: (report.row.data == RowData::ColourPattern)
                 .then(|| [colours(&data.values), colours(&values)]),
+            frame,
             spline,
             knots,
             rounds: report.row.subdivide,
@@ -116,9 +134,19 @@ impl Source {
         &self.domain.loaded.mesh
     }
 
+    /// Returns the surface that was fitted: the domain, or a frame of its animation.
+    pub(super) fn original(&self) -> &TriangleMesh {
+        self.frame.as_ref().unwrap_or(self.input())
+    }
+
     /// Returns how many pieces of an edge of the domain lie on the spline.
     pub(super) fn pieces_per_edge(&self) -> f64 {
         f64::from(self.rounds).exp2()
+    }
+
+    /// Returns the mean of the errors.
+    pub(super) fn mean_error(&self) -> f64 {
+        self.errors.iter().sum::<f64>() / self.errors.len().max(1) as f64
     }
 
     /// Returns the error below which the share `share` of the vertices lies.
@@ -145,8 +173,7 @@ fn values(
     data: &FitData,
 ) -> Result<Vec<f64>, String> {
     if data.names == ["x", "y", "z"] {
-        let positions = spline.positions().iter();
-        return Ok(positions.flat_map(|p| [p.x, p.y, p.z]).collect());
+        return Ok(coordinates(spline));
     }
     let mut columns = Vec::with_capacity(data.names.len());
     for name in &data.names {
@@ -161,6 +188,11 @@ fn values(
     Ok(vertices
         .flat_map(|vertex| columns.iter().map(move |column| column[vertex]))
         .collect())
+}
+
+fn coordinates(mesh: &TriangleMesh) -> Vec<f64> {
+    let positions = mesh.positions().iter();
+    positions.flat_map(|p| [p.x, p.y, p.z]).collect()
 }
 
 fn errors(data: &FitData, values: &[f64]) -> Vec<f64> {
