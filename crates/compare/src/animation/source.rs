@@ -264,3 +264,197 @@ fn refused(path: &Path, reason: String) -> RunError {
         reason,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use msplines_common::mesh::shapes;
+
+    use super::*;
+    use crate::case::Input;
+    use crate::clock::PhaseClock;
+    use crate::input::load;
+    use crate::models::models_folder;
+
+    fn file(folder: &Path, name: &str, numbers: &[f32]) -> std::path::PathBuf {
+        let path = folder.join(name);
+        let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+        std::fs::write(&path, bytes).expect("written");
+        path
+    }
+
+    /// A shift by `x`.
+    fn shift(x: f32) -> [f32; MAP] {
+        [1.0, 0.0, 0.0, x, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+    }
+
+    #[test]
+    fn skinning_blends_the_maps_of_the_bones() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mesh = shapes::sphere(12);
+        let quarter_turn = [0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 2.0];
+        let frames = [[shift(0.0), shift(0.0)], [shift(8.0), quarter_turn]];
+        let transforms = file(folder.path(), "t.f32", &frames.concat().concat());
+        let weights: Vec<f32> = (0..mesh.vertex_count())
+            .flat_map(|_| [0.25, 0.75])
+            .collect();
+        let weights = file(folder.path(), "w.f32", &weights);
+        let skinned = Animation::Skinned {
+            weights,
+            transforms,
+        };
+        let loaded = skinned.load(&mesh).expect("files that fit");
+        assert_eq!((loaded.frames, loaded.dimension), (2, 3));
+        let (rest, moved) = (loaded.frame(0), loaded.frame(1));
+        for (vertex, p) in mesh.positions().iter().enumerate() {
+            assert_eq!(rest[3 * vertex..][..3], [p.x, p.y, p.z]);
+            // A quarter of the shift by 8, three quarters of the turn and its shift by 2.
+            let expected = [
+                0.25 * (p.x + 8.0) - 0.75 * p.y,
+                0.25 * p.y + 0.75 * p.x,
+                p.z + 0.75 * 2.0,
+            ];
+            for (found, expected) in moved[3 * vertex..].iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn files_that_do_not_fit_are_refused_with_their_numbers() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let at = |name: &str, numbers: &[f32]| file(folder.path(), name, numbers);
+        let mesh = shapes::sphere(12);
+        let vertices = mesh.vertex_count();
+        let two_bones = at("w.f32", &vec![0.5; 2 * vertices]);
+        let one_frame = at("t.f32", &[shift(0.0), shift(0.0)].concat());
+        let torn = folder.path().join("torn.f32");
+        std::fs::write(&torn, [0; 7]).expect("written");
+        let odd = at("odd.f32", &vec![0.5; 2 * vertices + 1]);
+        let bad = [
+            (
+                odd,
+                one_frame.clone(),
+                format!("odd.f32: {} numbers", 2 * vertices + 1),
+            ),
+            (
+                two_bones.clone(),
+                at("odd-t.f32", &[0.0; 25]),
+                "odd-t.f32: 25 numbers are not 24".to_owned(),
+            ),
+            (
+                two_bones.clone(),
+                at("no.f32", &[]),
+                "no.f32: 0 numbers".to_owned(),
+            ),
+            (
+                at("few.f32", &[1.0]),
+                one_frame.clone(),
+                format!("few.f32: 1 numbers are not as many for each of {vertices}"),
+            ),
+            (torn, one_frame.clone(), "torn.f32: 7 bytes".to_owned()),
+            (
+                at("nan.f32", &vec![f32::NAN; vertices]),
+                one_frame,
+                "nan.f32: number 0 is not finite".to_owned(),
+            ),
+            (
+                two_bones,
+                folder.path().join("none.f32"),
+                "none.f32: cannot be read".to_owned(),
+            ),
+        ];
+        for (weights, transforms, message) in bad {
+            let skinned = Animation::Skinned {
+                weights,
+                transforms,
+            };
+            let error = skinned.load(&mesh).expect_err(&message).to_string();
+            assert!(
+                error.starts_with(&format!("animation {message}")),
+                "{error}"
+            );
+        }
+    }
+
+    #[test]
+    fn an_array_has_a_row_for_every_vertex_of_every_frame() {
+        let mesh = shapes::sphere(12);
+        let vertices = mesh.vertex_count();
+        let array = |shape: [usize; 3], last: f64| {
+            let count: usize = shape.iter().product();
+            let mut values: Vec<f64> = (0..count).map(|i| i as f64).collect();
+            values[count - 1] = last;
+            let shape = shape.to_vec();
+            Loaded::of_array(&mesh, Path::new("a/b.npy"), Array { shape, values })
+        };
+        let loaded = array([2, vertices, 1], 3.0).expect("an array that fits");
+        assert_eq!((loaded.frames, loaded.dimension), (2, 1));
+        assert_eq!(loaded.frame(1)[0], vertices as f64);
+        assert_eq!(loaded.names(), ["value_0"]);
+        assert_eq!(loaded.scale(&mesh), 2.0 * vertices as f64 - 2.0);
+        let error = array([2, vertices + 1, 3], 0.0)
+            .expect_err("too many")
+            .to_string();
+        let shape = format!("animation b.npy: its shape is [2, {}, 3]", vertices + 1);
+        assert!(error.starts_with(&shape), "{error}");
+        let error = array([2, vertices, 3], f64::NAN)
+            .expect_err("not finite")
+            .to_string();
+        let place = format!("frame 1 is not finite at vertex {}", vertices - 1);
+        assert!(error.contains(&place), "{error}");
+    }
+
+    #[test]
+    fn the_formula_starts_at_rest_and_moves_every_vertex_smoothly() {
+        let mesh = shapes::bumpy_sphere(500);
+        let loaded = Animation::TwistAndWave.load(&mesh).expect("no files");
+        let distance = |a: &[f64], b: &[f64]| {
+            let pairs = a.iter().zip(b);
+            pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / mesh.diagonal()
+        };
+        let rest: Vec<f64> = mesh
+            .positions()
+            .iter()
+            .flat_map(|p| [p.x, p.y, p.z])
+            .collect();
+        assert!(distance(&loaded.frame(0), &rest) < 1e-15);
+        assert!(distance(&loaded.frame(25), &rest) > 0.1);
+        for frame in 0..loaded.frames {
+            let next = loaded.frame((frame + 1) % loaded.frames);
+            let step = distance(&loaded.frame(frame), &next);
+            assert!(step < 0.02, "frame {frame}: {step}");
+        }
+    }
+
+    #[test]
+    fn the_bird_of_the_library_is_skinned_as_its_reference_frame() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        // A relative folder is meant from the project's root, where the tests are started.
+        let folder = root.join(models_folder(None, &root)).join("anim");
+        if !folder.join("bird_rest.ply").is_file() {
+            println!("not run: bird_rest");
+            return;
+        }
+        let mesh = |name: &str| {
+            let (path, repair) = (folder.join(name), false);
+            let mut clock = PhaseClock::start(std::time::Instant::now());
+            load(&Input::File { path, repair }, &mut clock)
+                .expect("a mesh")
+                .mesh
+        };
+        let rest = mesh("bird_rest.ply");
+        let skinned = Animation::Skinned {
+            weights: folder.join("bird_weights.f32"),
+            transforms: folder.join("bird_transforms.f32"),
+        };
+        let loaded = skinned.load(&rest).expect("files that fit");
+        assert_eq!(loaded.frames, 100);
+        let found = loaded.frame(50);
+        for (vertex, expected) in mesh("bird_frame050.ply").positions().iter().enumerate() {
+            let found = Point3::from_slice(&found[3 * vertex..][..3]);
+            // The reference is stored in single precision.
+            let error = (found - expected).norm();
+            assert!(error < 1e-6 * rest.diagonal(), "vertex {vertex}: {error}");
+        }
+    }
+}

@@ -56,17 +56,19 @@ impl SharedSpace {
         }
     }
 
-    /// Factors what serves the evaluation of all splines, whatever their knots.
+    /// Factors what serves the evaluation of all splines, whatever their knots, and returns whether
+    /// there is such a thing.
     ///
     /// Least-squares meshes have nothing of the kind, as their controls are in the matrix; splines
     /// with creases neither.
-    pub(super) fn factor(&self) -> Result<(), RunError> {
-        if let Self::Biharmonic { space, .. } = self
-            && space.creases().is_empty()
-        {
-            space.poisson()?;
+    pub(super) fn factor(&self) -> Result<bool, RunError> {
+        match self {
+            Self::Biharmonic { space, .. } if space.creases().is_empty() => {
+                space.poisson()?;
+                Ok(true)
+            }
+            Self::Biharmonic { .. } | Self::LsMesh { .. } => Ok(false),
         }
-        Ok(())
     }
 
     /// Fits `data`.

@@ -7,6 +7,8 @@
 //! [Hou2017] §8.1, Figure 9.
 
 mod tally;
+#[cfg(test)]
+mod tests;
 
 use std::path::Path;
 use std::time::Instant;
@@ -121,10 +123,11 @@ pub(super) fn run(
     let space = SharedSpace::build(case, input)?;
     enter("factor", clock, observer);
     let factored = Instant::now();
-    space.factor()?;
+    let has_factor = space.factor()?;
+    let factor_seconds = factored.elapsed().as_secs_f64();
     let keeps_all = case.outputs.iter().any(|path| is_array(path));
     let mut tally = Tally::start(animation, input, keeps_all);
-    tally.factor_seconds = factored.elapsed().as_secs_f64();
+    tally.factor_seconds = has_factor.then_some(factor_seconds);
     for (index, &frame) in chosen.iter().enumerate() {
         let _ = observer(&Progress::new("frames", index as u64, chosen.len() as u64));
         clock.enter("read");
