@@ -31,6 +31,13 @@ const SMOOTH_SHARE: f64 = 1e-6;
 /// Crease curves that turn by more than this at a vertex have a corner there, in radians.
 const CORNER_TURN: f64 = std::f64::consts::FRAC_PI_4;
 
+/// The turn of a curve is that between the vertices so many edges before and after, where it goes on
+/// for so long: the edges of a scan zigzag along its creases, and every corner is free.
+const CORNER_REACH: usize = 3;
+
+/// Creases found by their angle have at least so many edges: on a scan shorter ones are noise.
+const SHORTEST_CREASE: usize = 5;
+
 /// Edges of one mesh across which splines may have a crease.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Creases {
@@ -69,7 +76,40 @@ impl Creases {
                 edges.push(topology.edge_vertices(edge));
             }
         }
-        Self::sorted(edges)
+        Self::sorted(edges).without_fragments()
+    }
+
+    /// Returns the creases less the connected pieces of few edges.
+    fn without_fragments(self) -> Self {
+        let ends = Ends::of(&self.edges);
+        let mut kept = vec![false; self.edges.len()];
+        let mut seen = vec![false; self.edges.len()];
+        for start in 0..self.edges.len() {
+            if std::mem::replace(&mut seen[start], true) {
+                continue;
+            }
+            let mut piece = vec![start];
+            let mut next = 0;
+            while next < piece.len() {
+                for vertex in self.edges[piece[next]] {
+                    for end in ends.at(vertex) {
+                        if !std::mem::replace(&mut seen[end.edge], true) {
+                            piece.push(end.edge);
+                        }
+                    }
+                }
+                next += 1;
+            }
+            if piece.len() >= SHORTEST_CREASE {
+                piece.into_iter().for_each(|edge| kept[edge] = true);
+            }
+        }
+        let pairs = self.edges.into_iter().zip(kept);
+        Self {
+            edges: pairs
+                .filter_map(|(edge, kept)| kept.then_some(edge))
+                .collect(),
+        }
     }
 
     /// Returns these edges of a mesh as creases; an edge may be named more than once.
@@ -169,19 +209,16 @@ impl Creases {
         let position = |v: u32| mesh.positions()[v as usize];
         let length = |edge: &[u32; 2]| (position(edge[0]) - position(edge[1])).norm();
         let mean = self.edges.iter().map(length).sum::<f64>() / self.edges.len().max(1) as f64;
-        let mut ends: Vec<[u32; 2]> = self
-            .edges
-            .iter()
-            .flat_map(|&[a, b]| [[a, b], [b, a]])
-            .collect();
-        ends.sort_unstable();
+        let ends = Ends::of(&self.edges);
         let mut rows = Vec::new();
-        for around in ends.chunk_by(|one, other| one[0] == other[0]) {
-            let &[[v, a], [_, b]] = around else {
+        for around in ends.0.chunk_by(|one, other| one.vertex == other.vertex) {
+            let [one, other] = around else {
                 continue;
             };
+            let (a, v, b) = (one.other, one.vertex, other.other);
             let (before, after) = (position(v) - position(a), position(b) - position(v));
-            if before.angle(&after) > CORNER_TURN {
+            let far = |to: u32| position(ends.walk(v, to)) - position(v);
+            if (-far(a)).angle(&far(b)) > CORNER_TURN {
                 continue;
             }
             let (h1, h2) = (before.norm(), after.norm());
@@ -191,5 +228,59 @@ impl Creases {
             rows.push(([a, v, b], second.map(|x| weight * x)));
         }
         rows
+    }
+}
+
+/// The end of a crease edge at a vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct End {
+    vertex: u32,
+    other: u32,
+    edge: usize,
+}
+
+/// Both ends of all crease edges, in order of their vertices.
+struct Ends(Vec<End>);
+
+impl Ends {
+    fn of(edges: &[[u32; 2]]) -> Self {
+        let both = |(edge, &[a, b]): (usize, &[u32; 2])| {
+            let end = |vertex, other| End {
+                vertex,
+                other,
+                edge,
+            };
+            [end(a, b), end(b, a)]
+        };
+        let mut ends: Vec<End> = edges.iter().enumerate().flat_map(both).collect();
+        ends.sort_unstable();
+        Self(ends)
+    }
+
+    fn at(&self, vertex: u32) -> &[End] {
+        let first = self.0.partition_point(|end| end.vertex < vertex);
+        let last = self.0.partition_point(|end| end.vertex <= vertex);
+        &self.0[first..last]
+    }
+
+    /// Returns the vertex that a crease reaches from `from` over `to`, some edges on or where it ends
+    /// or branches.
+    fn walk(&self, from: u32, to: u32) -> u32 {
+        let (mut before, mut here) = (from, to);
+        for _ in 1..CORNER_REACH {
+            let &[one, other] = self.at(here) else {
+                break;
+            };
+            let next = if one.other == before {
+                other.other
+            } else {
+                one.other
+            };
+            if next == from {
+                break;
+            }
+            (before, here) = (here, next);
+        }
+        here
     }
 }

@@ -71,6 +71,9 @@ pub enum FitError {
         /// Its weight.
         weight: f64,
     },
+    /// The l1 selection takes all vertices alike.
+    #[error("the l1 selection takes no weights; select by exchange, or leave the weights out")]
+    WeightsWithL1,
     /// Fewer vertices have a weight than there are knots.
     #[error(
         "only {weighted} vertices have a positive weight, too few for {knots} knots; give more of them a weight or ask for fewer knots"

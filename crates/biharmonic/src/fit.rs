@@ -13,10 +13,10 @@ use crate::{BiharmonicSpline, FitError, KnotChoice, Options, Space};
 
 /// Share by which the squared error of the final fit may exceed its minimum. The mean error is exact
 /// to five digits far earlier; this makes the spline itself the same to 1e-4 of that error.
-const FIT_EXCESS: f64 = 1e-8;
+pub(crate) const FIT_EXCESS: f64 = 1e-8;
 
 /// Iterations allowed to the final fit. Well-spread knots take 15; clustered ones hundreds.
-const FIT_ITERATIONS: u32 = 400;
+pub(crate) const FIT_ITERATIONS: u32 = 400;
 
 /// A spline and how it came about.
 #[derive(Debug)]
@@ -40,6 +40,10 @@ pub struct Report {
     pub eliminations: u32,
     /// Rounds of exchange, and how many of them were kept.
     pub exchanges: [u32; 2],
+    /// Rounds of the l1 selection.
+    pub l1_rounds: u32,
+    /// Largest relative duality gap of one of them; above 1e-4 if it ran out of steps.
+    pub l1_gap: f64,
     /// Numbers of knots that cross-validation tried, from many to few, with their scores.
     pub cross_validation: Vec<Trial>,
     /// What the user should know.
@@ -67,7 +71,7 @@ pub fn fit<'a>(
 ) -> Result<Fit, FitError> {
     let stopped = observer(&Progress::new("domain", 0, 1)).is_break();
     let creases = options.creases.on(mesh)?;
-    checked_knots(mesh.vertex_count(), &options.knots)?;
+    checked_choice(mesh.vertex_count(), &options.knots)?;
     let target = Centred::check(mesh.vertex_count(), &target.into())?;
     let domain = Arc::new(mesh.clone());
     let KnotChoice::At(points) = &options.knots else {
@@ -114,7 +118,7 @@ fn fit_centred(
     observer: &mut Observer<'_>,
 ) -> Result<Fit, FitError> {
     let vertices = space.mesh().vertex_count();
-    let given = checked_knots(vertices, &options.knots)?;
+    let given = checked_choice(vertices, &options.knots)?;
     if given.count() == vertices {
         let knots = (0..vertices as u32).collect();
         return Ok(Fit {
@@ -163,6 +167,8 @@ fn fit_centred(
             residual: report.residual,
             eliminations: selected.eliminations,
             exchanges: selected.exchanges,
+            l1_rounds: selected.l1_rounds,
+            l1_gap: selected.l1_gap,
             cross_validation: selected.cross_validation,
             warnings,
         },
@@ -188,6 +194,8 @@ impl Report {
             residual: 0.0,
             eliminations: 0,
             exchanges: [0, 0],
+            l1_rounds: 0,
+            l1_gap: 0.0,
             cross_validation: Vec::new(),
             warnings: Vec::new(),
         }
@@ -212,45 +220,49 @@ impl Given {
     }
 }
 
-fn checked_knots(vertices: usize, choice: &KnotChoice) -> Result<Given, FitError> {
-    let checked_count = |knots: usize| {
-        if knots == 0 || knots > vertices {
-            return Err(FitError::KnotCount { knots, vertices });
-        }
-        Ok(())
-    };
+fn checked_choice(vertices: usize, choice: &KnotChoice) -> Result<Given, FitError> {
     match choice {
         KnotChoice::All => Ok(Given::Knots((0..vertices as u32).collect())),
         KnotChoice::CrossValidated => Ok(Given::CrossValidated),
         // Only a fit that builds the space itself can split faces.
         KnotChoice::At(points) => {
-            checked_count(points.len().min(vertices))?;
+            checked_count(vertices, points.len().min(vertices))?;
             Ok(Given::Points)
         }
         KnotChoice::Optimised { count } => {
-            checked_count(*count)?;
+            checked_count(vertices, *count)?;
             if *count == vertices {
                 return Ok(Given::Knots((0..vertices as u32).collect()));
             }
             Ok(Given::Count(*count))
         }
-        KnotChoice::Given(knots) => {
-            checked_count(knots.len())?;
-            for (index, &vertex) in knots.iter().enumerate() {
-                if vertex as usize >= vertices {
-                    return Err(FitError::NoSuchKnot {
-                        index,
-                        vertex,
-                        vertices,
-                    });
-                }
-            }
-            let mut sorted = knots.clone();
-            sorted.sort_unstable();
-            if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-                return Err(FitError::RepeatedKnot { vertex: pair[0] });
-            }
-            Ok(Given::Knots(sorted))
+        KnotChoice::Given(knots) => Ok(Given::Knots(checked_knots(vertices, knots)?)),
+    }
+}
+
+/// Returns given knots in ascending order.
+pub(crate) fn checked_knots(vertices: usize, knots: &[u32]) -> Result<Vec<u32>, FitError> {
+    checked_count(vertices, knots.len())?;
+    for (index, &vertex) in knots.iter().enumerate() {
+        if vertex as usize >= vertices {
+            return Err(FitError::NoSuchKnot {
+                index,
+                vertex,
+                vertices,
+            });
         }
     }
+    let mut sorted = knots.to_vec();
+    sorted.sort_unstable();
+    if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(FitError::RepeatedKnot { vertex: pair[0] });
+    }
+    Ok(sorted)
+}
+
+fn checked_count(vertices: usize, knots: usize) -> Result<(), FitError> {
+    if knots == 0 || knots > vertices {
+        return Err(FitError::KnotCount { knots, vertices });
+    }
+    Ok(())
 }

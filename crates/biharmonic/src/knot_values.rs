@@ -24,7 +24,7 @@ pub(crate) struct KnotValues<'a> {
     bilaplacian: &'a SymmetricMatrix,
     /// Knots, ascending.
     knots: Vec<u32>,
-    factor: Cholesky,
+    factor: Arc<Cholesky>,
 }
 
 impl<'a> KnotValues<'a> {
@@ -46,8 +46,26 @@ impl<'a> KnotValues<'a> {
         Ok(Self {
             bilaplacian: matrix,
             knots,
+            factor: Arc::new(factor),
+        })
+    }
+
+    /// Takes up a factor of these knots again.
+    pub(crate) fn with_factor(
+        space: &'a Space,
+        knots: Vec<u32>,
+        factor: Arc<Cholesky>,
+    ) -> Result<Self, FitError> {
+        Ok(Self {
+            bilaplacian: &space.bilaplacian()?.matrix,
+            knots,
             factor,
         })
+    }
+
+    /// Returns the factor, to be taken up again.
+    pub(crate) fn shared_factor(&self) -> Arc<Cholesky> {
+        Arc::clone(&self.factor)
     }
 
     pub(crate) fn knots(&self) -> &[u32] {

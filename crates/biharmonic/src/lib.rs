@@ -18,9 +18,11 @@
 //! # Reference
 //! [Hou2017] §4, §5, §6.
 
+mod algebra;
 mod creases;
 mod decompose;
 mod error;
+mod explicit;
 mod fit;
 mod interpolate;
 mod knot_values;
@@ -34,9 +36,13 @@ mod target;
 #[cfg(test)]
 mod tests;
 
+pub use algebra::{CombineError, KnotError, Removal, combine};
 pub use creases::Creases;
 pub use decompose::{DecomposeError, Decomposition, Layer, decompose};
 pub use error::FitError;
+pub use explicit::{
+    BasisKind, ExplicitBasis, ExplicitError, LocalFunctions, Locality, SparseColumns,
+};
 pub use fit::{Fit, Report, fit, fit_in};
 pub use interpolate::interpolate;
 pub use options::{CreaseChoice, Effort, KnotChoice, Laplacian, Options, Selection};

@@ -48,6 +48,11 @@ pub enum KnotChoice {
 pub enum Selection {
     /// Backward elimination from a dense sample, then exchange of knots.
     Exchange,
+    /// The reweighted l1 norm of the Green's coefficients.
+    L1,
+    /// The same, then exchange of knots.
+    #[serde(rename = "l1+exchange")]
+    L1Exchange,
     /// A Poisson-disk sample that is denser where the data bends.
     Curvature,
     /// An even Poisson-disk sample.

@@ -26,6 +26,14 @@ pub struct Space {
     poisson: OnceLock<Poisson>,
 }
 
+/// What makes two spaces different.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Difference {
+    Mesh,
+    Laplacian,
+    Creases,
+}
+
 /// The bi-Laplacian of a mesh, and what the factorisations of all its submatrices share.
 #[derive(Debug)]
 pub struct Bilaplacian {
@@ -162,6 +170,25 @@ impl Space {
     #[must_use]
     pub fn creases(&self) -> &Creases {
         &self.creases
+    }
+
+    /// Returns the first way in which the splines of another space differ, none if they are the same.
+    pub(crate) fn difference(&self, other: &Self) -> Option<Difference> {
+        if std::ptr::eq(self, other) {
+            return None;
+        }
+        let same_mesh = Arc::ptr_eq(&self.mesh, &other.mesh)
+            || self.mesh.faces() == other.mesh.faces()
+                && self.mesh.positions() == other.mesh.positions();
+        if !same_mesh {
+            Some(Difference::Mesh)
+        } else if self.laplacian != other.laplacian {
+            Some(Difference::Laplacian)
+        } else if self.creases != other.creases {
+            Some(Difference::Creases)
+        } else {
+            None
+        }
     }
 
     /// Returns the Laplacian and the vertex areas.

@@ -91,8 +91,18 @@ impl BiharmonicSpline {
             let at = |&knot: &u32| (0..dimension).map(move |c| value(knot, c));
             Form::KnotValues(knots.iter().flat_map(at).collect())
         };
+        Self::of_form(Arc::clone(space), dimension, knots, form)
+    }
+
+    /// Returns the spline of parts that are known to belong together.
+    pub(crate) fn of_form(
+        space: Arc<Space>,
+        dimension: usize,
+        knots: Vec<u32>,
+        form: Form,
+    ) -> Self {
         Self {
-            space: Arc::clone(space),
+            space,
             dimension,
             knots,
             form,

@@ -155,6 +155,11 @@ pub(crate) struct BiharmonicChoices {
 pub(crate) enum Selection {
     /// Backward elimination from a dense sample, then exchange.
     Exchange,
+    /// The reweighted l1 norm; for up to some 30,000 vertices.
+    L1,
+    /// The same, then exchange.
+    #[value(name = "l1+exchange")]
+    L1Exchange,
     /// A sample that is denser where the data bends.
     Curvature,
     /// An even sample.

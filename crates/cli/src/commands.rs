@@ -91,6 +91,8 @@ fn chosen(choices: &BiharmonicChoices, knots: Knots) -> BiharmonicMethod {
     BiharmonicMethod {
         selection: match choices.selection {
             Selection::Exchange => msplines_biharmonic::Selection::Exchange,
+            Selection::L1 => msplines_biharmonic::Selection::L1,
+            Selection::L1Exchange => msplines_biharmonic::Selection::L1Exchange,
             Selection::Curvature => msplines_biharmonic::Selection::Curvature,
             Selection::BlueNoise => msplines_biharmonic::Selection::BlueNoise,
         },

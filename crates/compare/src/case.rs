@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use msplines_biharmonic::Scheme;
 use serde::{Deserialize, Serialize};
 
 use crate::animation::Frames;
@@ -26,6 +27,10 @@ pub struct Case {
     /// Rounds of midpoint subdivision at whose vertices the spline is evaluated; 0 for the input
     /// vertices.
     pub subdivide: u32,
+    /// Where that subdivision puts its vertices.
+    pub scheme: Scheme,
+    /// Whether the spline lives on the double cover of the input instead.
+    pub double_cover: bool,
     /// Whether the two-sided distance between the surfaces is measured as well.
     pub measure_distance: bool,
     /// Another surface that the distance of the spline is measured to as well.
@@ -48,6 +53,8 @@ impl Case {
             task: Task::Fit,
             seed: 0,
             subdivide: 0,
+            scheme: Scheme::Planar,
+            double_cover: false,
             measure_distance: false,
             reference: None,
             outputs: Vec::new(),

@@ -141,6 +141,7 @@ impl Fitted {
             ("eliminations", json!(report.eliminations)),
             ("exchanges", json!(report.exchanges[0])),
             ("exchanges_kept", json!(report.exchanges[1])),
+            ("l1_rounds", json!(report.l1_rounds)),
             ("crease_edges", json!(creases.len())),
         ];
         Self {

@@ -35,11 +35,17 @@ pub enum GeneratedSurface {
     Genus3,
     /// A surface with eight handles.
     Genus8,
+    /// A unit sphere of about 5,000 vertices.
+    Sphere,
+    /// A fluted vase, open at both ends, of about 5,000 vertices.
+    Vase,
+    /// A hexagonal nut with a collar, about 8,000 vertices: sharp edges and corners.
+    Nut,
 }
 
 impl GeneratedSurface {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 11] = [
         Self::BumpySphere,
         Self::BumpySphere5k,
         Self::BumpySphere500,
@@ -48,6 +54,9 @@ impl GeneratedSurface {
         Self::Genus2,
         Self::Genus3,
         Self::Genus8,
+        Self::Sphere,
+        Self::Vase,
+        Self::Nut,
     ];
 
     /// Returns the name in experiments and records.
@@ -62,6 +71,9 @@ impl GeneratedSurface {
             Self::Genus2 => "genus-2",
             Self::Genus3 => "genus-3",
             Self::Genus8 => "genus-8",
+            Self::Sphere => "sphere",
+            Self::Vase => "vase",
+            Self::Nut => "nut",
         }
     }
 
@@ -77,6 +89,9 @@ impl GeneratedSurface {
             Self::Genus2 => shapes::genus(2, VERTICES),
             Self::Genus3 => shapes::genus(3, VERTICES),
             Self::Genus8 => shapes::genus(8, VERTICES),
+            Self::Sphere => shapes::sphere(5_000),
+            Self::Vase => shapes::vase(5_000),
+            Self::Nut => shapes::nut(8_000),
         }
     }
 }
@@ -107,7 +122,7 @@ impl FromStr for GeneratedSurface {
 /// No surface of this name can be generated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no surface `{name}`; there are bumpy-sphere (also -5k, -500, -irregular), torus-knot, genus-2, genus-3 and genus-8"
+    "no surface `{name}`; there are bumpy-sphere (also -5k, -500, -irregular), torus-knot, genus-2, genus-3, genus-8, sphere, vase and nut"
 )]
 pub struct UnknownSurface {
     /// The name.

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use msplines_common::Point3;
 use msplines_common::mesh::{
-    Facts, Policy, PolygonSoup, SurfacePoint, TriangleMesh, VertexAttribute, accept, split_at,
+    Facts, Policy, PolygonSoup, SurfacePoint, TriangleMesh, VertexAttribute, accept, double_cover,
+    split_at,
 };
 use msplines_common::metrics::SurfaceTree;
 use msplines_io::{read_points, read_soup, sha256_file};
@@ -29,6 +30,28 @@ pub struct LoadedInput {
     pub attributes: Vec<VertexAttribute>,
     /// What was mended.
     pub warnings: Vec<String>,
+}
+
+impl LoadedInput {
+    /// Returns the double cover of the input, whose facts stay those of the file.
+    ///
+    /// # Errors
+    /// A surface without boundary, or one whose cover is no manifold.
+    pub fn double_cover(self) -> Result<Self, RunError> {
+        let refused = |reason: String| RunError::Input {
+            file: self.facts.file.clone(),
+            reason,
+        };
+        if self.facts.boundary_loops == 0 {
+            return Err(refused("it has no boundary to cover it across".to_owned()));
+        }
+        let (mesh, _) = double_cover(&self.mesh).map_err(|e| refused(e.to_string()))?;
+        Ok(Self {
+            mesh,
+            attributes: Vec::new(),
+            ..self
+        })
+    }
 }
 
 /// Reads or generates an input, in the phases `read` and `preflight`.

@@ -49,6 +49,45 @@ pub struct Record {
     pub warnings: Vec<String>,
 }
 
+/// Fields of a record in which paths to numbers start.
+const NUMBERS: [&str; 12] = [
+    "checks",
+    "distance",
+    "dofs",
+    "domain_bytes",
+    "error",
+    "error_unit_cube",
+    "input",
+    "options",
+    "peak_rss_bytes",
+    "seconds",
+    "seed",
+    "threads",
+];
+
+impl Record {
+    /// Returns the number at a dotted path, such as `error.max` or `checks.reference_rms`; `None`
+    /// where this record has none there.
+    #[must_use]
+    pub fn number(&self, path: &str) -> Option<f64> {
+        let values = serde_json::to_value(self).ok()?;
+        let mut fields = path.split('.');
+        let found = fields.try_fold(&values, |value, field| value.get(field))?;
+        found.as_f64()
+    }
+}
+
+/// Returns what is wrong with a dotted path that no record has, and what to write.
+pub(crate) fn path_problem(path: &str) -> Option<String> {
+    let start = path.split('.').next().unwrap_or_default();
+    (!NUMBERS.contains(&start)).then(|| {
+        format!(
+            "no record has `{path}`; a path starts with {}",
+            NUMBERS.join(", ")
+        )
+    })
+}
+
 /// The program a record comes from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -224,6 +263,21 @@ pub(crate) mod tests {
         assert_eq!(keys(&value["seconds"]), ["cpu", "phases", "total"]);
         assert_eq!(value["outcome"], "converged");
         assert_eq!(value["error"]["kind"], "vertices");
+    }
+
+    #[test]
+    fn numbers_are_found_by_their_paths_which_start_with_fields_of_a_record() {
+        let record = sample();
+        assert_eq!(record.number("error.max"), Some(0.001));
+        assert_eq!(record.number("dofs"), Some(12.0));
+        for absent in ["checks.none", "error.kind", "error", "distance.rms"] {
+            assert_eq!(record.number(absent), None, "{absent}");
+        }
+        let value = serde_json::to_value(record).expect("a record serialises");
+        assert!(NUMBERS.iter().all(|field| keys(&value).contains(field)));
+        assert_eq!(path_problem("checks.none"), None);
+        let text = path_problem("errors.max").expect("refused");
+        assert!(text.contains("no record has `errors.max`") && text.contains("checks"));
     }
 
     #[test]

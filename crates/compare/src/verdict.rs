@@ -6,7 +6,7 @@
 use msplines_common::metrics::VertexError;
 use serde::{Deserialize, Serialize};
 
-use crate::experiment::Row;
+use crate::experiment::{Property, Row};
 use crate::models::Provenance;
 use crate::record::Record;
 
@@ -74,6 +74,28 @@ impl Bound {
     pub fn holds(&self) -> bool {
         self.value.is_some_and(|value| value <= self.at_most)
     }
+
+    /// Returns what is wrong, where the bound does not hold.
+    fn missed(&self) -> Option<String> {
+        let value = self
+            .value
+            .map_or("missing".to_owned(), |value| format!("{value:e}"));
+        let Self {
+            quantity, at_most, ..
+        } = self;
+        (!self.holds()).then(|| format!("{quantity} is {value}, not at most {at_most:e}"))
+    }
+}
+
+/// What a row measured of a property of a spline.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PropertyCheck {
+    /// The property.
+    pub property: String,
+    /// The spline that has it or not.
+    pub spline: String,
+    /// The number by which it does.
+    pub bound: Bound,
 }
 
 /// All that is said about the figures of one row.
@@ -92,6 +114,8 @@ pub struct Judgement {
     pub claim_holds: Option<bool>,
     /// The bounds of `at_most`.
     pub bounds: Vec<Bound>,
+    /// The properties that the row was to measure, where it ran.
+    pub properties: Vec<PropertyCheck>,
     /// Whether the row has an analysis.
     pub explained: bool,
 }
@@ -101,17 +125,30 @@ impl Judgement {
     #[must_use]
     pub fn of(row: &Row, provenance: Provenance, record: &Record) -> Self {
         let mut judgement = Self::of_error(row, provenance, record.error.as_ref());
-        let values = serde_json::to_value(record).unwrap_or_default();
         let bounds = row.at_most.iter().map(|(quantity, &at_most)| Bound {
             quantity: quantity.clone(),
             at_most,
-            value: quantity
-                .split('.')
-                .try_fold(&values, |value, field| value.get(field))
-                .and_then(serde_json::Value::as_f64),
+            value: record.number(quantity),
         });
         judgement.bounds = bounds.collect();
         judgement
+    }
+
+    /// Judges the properties that the row `id` was to measure.
+    pub fn judge_properties(&mut self, id: &str, properties: &[Property], record: &Record) {
+        let all = properties.iter().flat_map(|property| {
+            let of_row = property.measured.iter().filter(|(_, m)| m.row == id);
+            of_row.map(|(spline, measured)| PropertyCheck {
+                property: property.name.clone(),
+                spline: spline.clone(),
+                bound: Bound {
+                    quantity: measured.value.clone(),
+                    at_most: measured.at_most,
+                    value: record.number(&measured.value),
+                },
+            })
+        });
+        self.properties = all.collect();
     }
 
     fn of_error(row: &Row, provenance: Provenance, error: Option<&VertexError>) -> Self {
@@ -147,6 +184,7 @@ impl Judgement {
             recorded_ratio: None,
             claim_holds: None,
             bounds: Vec::new(),
+            properties: Vec::new(),
             explained: !row.analysis.trim().is_empty(),
         }
     }
@@ -155,22 +193,26 @@ impl Judgement {
     #[must_use]
     pub fn failure(&self) -> Option<String> {
         let differs = matches!(self.verdict, Verdict::Better | Verdict::Worse);
-        let why = match self.bounds.iter().find(|bound| !bound.holds()) {
+        let why = match self.missed() {
             _ if self.verdict == Verdict::Failed => "failed",
             _ if self.regression == Regression::Regressed => "worse than our recorded value",
-            Some(Bound {
-                quantity,
-                at_most,
-                value,
-            }) => {
-                let value = value.map_or("missing".to_owned(), |value| format!("{value:e}"));
-                return Some(format!("{quantity} is {value}, not at most {at_most:e}"));
-            }
-            _ if self.claim_holds == Some(false) => "not more accurate than it should be",
-            _ if differs && !self.explained => "differs from the paper without an analysis",
-            _ => return None,
+            Some(missed) => return Some(missed),
+            None if self.claim_holds == Some(false) => "not more accurate than it should be",
+            None if differs && !self.explained => "differs from the paper without an analysis",
+            None => return None,
         };
         Some(why.to_owned())
+    }
+
+    /// Returns the first bound or property that does not hold.
+    fn missed(&self) -> Option<String> {
+        let of_bound = self.bounds.iter().find_map(Bound::missed);
+        of_bound.or_else(|| {
+            self.properties.iter().find_map(|check| {
+                let missed = check.bound.missed()?;
+                Some(format!("{} of {}: {missed}", check.property, check.spline))
+            })
+        })
     }
 }
 
@@ -186,6 +228,7 @@ fn ratio_to_printed(row: &Row, error: &VertexError) -> Option<f64> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::experiment::tests::parse_with;
     use crate::experiment::{Experiment, Recorded};
     use crate::record::tests::sample;
 
@@ -325,5 +368,20 @@ pub(crate) mod tests {
         assert_eq!(text, "error.max is 1e-3, not at most 9e-4");
         let text = judge("checks.none", 1.0).expect("missing");
         assert_eq!(text, "checks.none is missing, not at most 1e0");
+    }
+
+    #[test]
+    fn a_property_fails_the_row_that_measured_it_and_no_other() {
+        let text = "[[property]]\nname = \"unity\"\nmeasured = { \"B\" = { row = \"a\", value = \
+                    \"error.max\", at_most = 9e-4 } }\n";
+        let properties = parse_with("", text).expect("a property").properties;
+        let judge = |id: &str| {
+            let mut judgement = Judgement::of(&row(None, None, ""), Provenance::Real, &sample());
+            judgement.judge_properties(id, &properties, &sample());
+            judgement.failure()
+        };
+        let missed = "unity of B: error.max is 1e-3, not at most 9e-4";
+        assert_eq!(judge("a").as_deref(), Some(missed));
+        assert_eq!(judge("b"), None);
     }
 }

@@ -24,14 +24,15 @@
 //! ```
 //!
 //! [`Grid`] puts pictures side by side, [`Callout`] draws a magnified part into a corner,
-//! [`ColourBar`] explains the colours of a scalar, [`cells`] cuts volumes open, and [`plot`] draws
-//! curves and bars as SVG.
+//! [`ColourBar`] explains the colours of a scalar, [`category_colours`] tells neighbours apart,
+//! [`cells`] cuts volumes open, and [`plot`] draws curves and bars as SVG.
 
 pub mod cells;
 pub mod plot;
 
 mod callout;
 mod camera;
+mod categories;
 mod colour;
 mod colour_bar;
 mod colour_map;
@@ -45,6 +46,7 @@ mod ticks;
 
 pub use callout::{Callout, Corner};
 pub use camera::{Axis, Camera, View};
+pub use categories::category_colours;
 pub use colour::Rgb;
 pub use colour_bar::ColourBar;
 pub use colour_map::{ColourMap, ColourScale, Spacing};

@@ -1,8 +1,8 @@
-//! Choosing knots: a dense sample, backward elimination, then exchange.
+//! Choosing knots: a dense sample, backward elimination, then exchange; or other ways to compare with.
 //!
 //! # Notation
-//! `r = S - f` the residual, `C` the weights of the vertices. A knot `i` can go at the cost `ΔE_i = |w_i|² / D_i`, with
-//! `D = diag(S_T (Hᵀ C² H)⁻¹ S_T)` and `S_T` the Schur complement of `B` on the knots: this is the exact
+//! `r = S - f` the residual, `C` the weights of the vertices. A knot `i` can go at the cost
+//! `ΔE_i = |w_i|² / D_i`, with `D = diag(S_T (Hᵀ C² H)⁻¹ S_T)` and `S_T` the Schur complement of `B` on the knots: this is the exact
 //! increase of the squared error when it alone is removed and all others are fitted again. A vertex
 //! `j` can come with the gain `g_j² / |C B_ZZ⁻¹ e_j|²`, `g = B_ZZ⁻¹ (C² r)_Z`. Both denominators are
 //! diagonals of huge matrices, estimated with random signs.
@@ -14,21 +14,24 @@
 mod cross_validation;
 mod eliminate;
 mod exchange;
+mod l1;
 mod sample;
 mod scores;
 mod state;
-mod voronoi;
+pub(crate) mod voronoi;
 
 use msplines_common::linalg::Mat;
 use msplines_common::progress::{Observer, Outcome};
 
 use crate::target::Centred;
-use crate::{Effort, FitError, Options, Space};
+use crate::{Effort, FitError, Options, Selection, Space};
 
 pub use cross_validation::Trial;
 #[cfg(test)]
 pub(crate) use scores::Probes;
 pub(crate) use scores::probe_scale;
+
+use sample::Density;
 use state::State;
 
 /// Knots, and a spline to start the final fit from.
@@ -38,6 +41,9 @@ pub(crate) struct Selected {
     pub(crate) outcome: Outcome,
     pub(crate) eliminations: u32,
     pub(crate) exchanges: [u32; 2],
+    pub(crate) l1_rounds: u32,
+    /// Largest relative duality gap of an l1 round.
+    pub(crate) l1_gap: f64,
     pub(crate) cross_validation: Vec<Trial>,
 }
 
@@ -54,6 +60,8 @@ impl Selected {
             outcome,
             eliminations: 0,
             exchanges: [0, 0],
+            l1_rounds: 0,
+            l1_gap: 0.0,
             cross_validation: Vec::new(),
         }
     }
@@ -112,14 +120,33 @@ pub(crate) fn select(
     observer: &mut Observer<'_>,
 ) -> Result<Selected, FitError> {
     let plan = Plan::of(options.effort);
-    let wanted = (count as f64 * plan.candidates).ceil() as usize;
-    let candidates = if stopped { count } else { wanted };
-    let candidates = candidates.min(target.data.nrows());
-    let sample = sample::sample(space, target, candidates, count, options.seed);
-    let mut state = State::start(space, target, sample, options.seed)?;
     let mut run = Run { observer, stopped };
-    let eliminations = eliminate::eliminate(&mut state, count, plan.elimination, &mut run)?;
-    let exchanges = exchange::exchange(&mut state, &plan, &mut run)?;
+    let (mut eliminations, mut l1_rounds, mut gap) = (0, 0, 0.0);
+    let mut state = match options.selection {
+        Selection::Exchange => {
+            let wanted = (count as f64 * plan.candidates).ceil() as usize;
+            let candidates = if stopped { count } else { wanted };
+            let candidates = candidates.min(target.data.nrows());
+            let sample = sample::sample(space, target, candidates, count, options.seed);
+            let mut state = State::start(space, target, sample, options.seed)?;
+            eliminations = eliminate::eliminate(&mut state, count, plan.elimination, &mut run)?;
+            state
+        }
+        Selection::L1 | Selection::L1Exchange => {
+            let found = l1::reweighted_l1(space, target, count, options.seed, &mut run)?;
+            l1_rounds = found.rounds;
+            gap = found.gap;
+            found.state
+        }
+        Selection::Curvature => sampled(space, target, count, Density::Curvature, options.seed)?,
+        Selection::BlueNoise => sampled(space, target, count, Density::Even, options.seed)?,
+    };
+    let exchanges = match options.selection {
+        Selection::Exchange | Selection::L1Exchange => {
+            exchange::exchange(&mut state, &plan, &mut run)?
+        }
+        Selection::L1 | Selection::Curvature | Selection::BlueNoise => [0, 0],
+    };
     let outcome = if run.stopped {
         Outcome::Stopped
     } else {
@@ -132,8 +159,22 @@ pub(crate) fn select(
         outcome,
         eliminations,
         exchanges,
+        l1_rounds,
+        l1_gap: gap,
         cross_validation: Vec::new(),
     })
+}
+
+/// Returns the fit with the knots of a sample.
+fn sampled<'a>(
+    space: &'a Space,
+    target: &'a Centred,
+    count: usize,
+    density: Density,
+    seed: u64,
+) -> Result<State<'a>, FitError> {
+    let knots = sample::exact_sample(space, target, count, density, seed);
+    State::start(space, target, knots, seed)
 }
 
 /// Chooses as many knots as noisy data can bear, and where.

@@ -1,6 +1,8 @@
-//! The first candidates: a Poisson-disk sample that is denser where the surface bends.
+//! Poisson-disk samples, of even density or denser where the surface bends.
 //!
-//! The density is `(c |A⁻¹ L A⁻¹ L S|)^0.4`, smoothed: a quarter of the order at which a spline of fourth
+//! The latter are the first candidates of the selection, and both are selections of their own to
+//! compare it with. The density that follows the bending is `(c |A⁻¹ L A⁻¹ L S|)^0.4` with the
+//! weights `c` of the vertices, smoothed: a quarter of the order at which a spline of fourth
 //! order needs knots, tempered because the finest scale of a scan is noise.
 
 use std::cmp::Reverse;
@@ -37,11 +39,8 @@ pub(super) fn sample(
     }
     let graph = Graph::build(space.mesh());
     let radii = relative_radii(space, target, &graph);
-    let mut random = Pcg64Mcg::seed_from_u64(seed);
-    let mut order: Vec<(u64, u32)> = (0..vertices as u32).map(|v| (random.random(), v)).collect();
-    order.sort_unstable();
-    let area: f64 = space.operators().mass.iter().sum();
-    let (mut low, mut high) = (0.0, 4.0 * (area / wanted as f64).sqrt());
+    let order = random_order(vertices, seed);
+    let (mut low, mut high) = (0.0, largest_scale(space, wanted));
     let mut best: Vec<u32> = (0..vertices as u32).collect();
     for _ in 0..RADIUS_STEPS {
         let middle = 0.5 * (low + high);
@@ -58,6 +57,118 @@ pub(super) fn sample(
     }
     best.sort_unstable();
     best
+}
+
+/// How the density of a sample varies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Density {
+    /// Not at all: blue noise.
+    Even,
+    /// With the bi-Laplacian of the data.
+    Curvature,
+}
+
+/// Returns exactly `count` vertices, at least one and at most all, ascending.
+///
+/// A sample of hardly fewer is filled up with the vertices farthest from it, as multiples of their
+/// own radius.
+pub(super) fn exact_sample(
+    space: &Space,
+    target: &Centred,
+    count: usize,
+    density: Density,
+    seed: u64,
+) -> Vec<u32> {
+    let vertices = target.data.nrows();
+    let graph = Graph::build(space.mesh());
+    let radii = match density {
+        Density::Even => vec![1.0; vertices],
+        Density::Curvature => relative_radii(space, target, &graph),
+    };
+    let order = random_order(vertices, seed);
+    let (mut low, mut high) = (0.0, largest_scale(space, count));
+    let mut best = vec![order[0].1];
+    for _ in 0..RADIUS_STEPS {
+        let middle = 0.5 * (low + high);
+        let found = disks(&graph, &radii, middle, &order);
+        *(if found.len() > count {
+            &mut low
+        } else {
+            &mut high
+        }) = middle;
+        if found.len() <= count && found.len() > best.len() {
+            best = found;
+        }
+        if best.len() == count {
+            break;
+        }
+    }
+    fill(&graph, &radii, count, &mut best);
+    best.sort_unstable();
+    best
+}
+
+/// Adds the vertex farthest from the sample, as a multiple of its own radius, until there are `count`.
+fn fill(graph: &Graph, radii: &[f64], count: usize, sample: &mut Vec<u32>) {
+    let mut distance = vec![f64::INFINITY; radii.len()];
+    sample
+        .iter()
+        .for_each(|&seed| approach(graph, &mut distance, seed));
+    let mut taken = vec![false; radii.len()];
+    sample.iter().for_each(|&seed| taken[seed as usize] = true);
+    let relative = |distance: &[f64], v: u32| Distance(distance[v as usize] / radii[v as usize]);
+    let mut farthest: BinaryHeap<(Distance, Reverse<u32>)> = (0..radii.len() as u32)
+        .map(|v| (relative(&distance, v), Reverse(v)))
+        .collect();
+    while sample.len() < count {
+        let Some((known, Reverse(vertex))) = farthest.pop() else {
+            return;
+        };
+        if taken[vertex as usize] {
+            continue;
+        }
+        let now = relative(&distance, vertex);
+        if now < known {
+            // The sample has come closer since.
+            farthest.push((now, Reverse(vertex)));
+            continue;
+        }
+        sample.push(vertex);
+        taken[vertex as usize] = true;
+        approach(graph, &mut distance, vertex);
+    }
+}
+
+/// Lowers distances to the sample after `seed` has joined it.
+fn approach(graph: &Graph, distance: &mut [f64], seed: u32) {
+    let mut heap = BinaryHeap::from([Reverse((Distance(0.0), seed))]);
+    distance[seed as usize] = 0.0;
+    while let Some(Reverse((Distance(reached), vertex))) = heap.pop() {
+        if reached > distance[vertex as usize] {
+            continue;
+        }
+        for &(other, length) in graph.neighbours(vertex) {
+            let through = reached + length;
+            if through < distance[other as usize] {
+                distance[other as usize] = through;
+                heap.push(Reverse((Distance(through), other)));
+            }
+        }
+    }
+}
+
+/// Returns all vertices in the order in which disks are tried.
+fn random_order(vertices: usize, seed: u64) -> Vec<(u64, u32)> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut order: Vec<(u64, u32)> = (0..vertices as u32).map(|v| (random.random(), v)).collect();
+    order.sort_unstable();
+    order
+}
+
+/// Returns a radius of which far fewer than `wanted` disks cover the surface.
+fn largest_scale(space: &Space, wanted: usize) -> f64 {
+    let area: f64 = space.operators().mass.iter().sum();
+    4.0 * (area / wanted as f64).sqrt()
 }
 
 /// Returns the radius of the disk of each vertex, with median 1.

@@ -25,13 +25,13 @@ impl Ord for Distance {
 
 /// Edges and their lengths around each vertex, in flat arrays.
 #[derive(Clone)]
-pub(super) struct Graph {
+pub(crate) struct Graph {
     starts: Vec<usize>,
     neighbours: Vec<(u32, f64)>,
 }
 
 impl Graph {
-    pub(super) fn build(mesh: &TriangleMesh) -> Self {
+    pub(crate) fn build(mesh: &TriangleMesh) -> Self {
         let (mut starts, mut neighbours) = (vec![0], Vec::new());
         for vertex in 0..mesh.vertex_count() as u32 {
             let here = mesh.positions()[vertex as usize];
@@ -43,12 +43,12 @@ impl Graph {
         Self { starts, neighbours }
     }
 
-    pub(super) fn neighbours(&self, vertex: u32) -> &[(u32, f64)] {
+    pub(crate) fn neighbours(&self, vertex: u32) -> &[(u32, f64)] {
         &self.neighbours[self.starts[vertex as usize]..self.starts[vertex as usize + 1]]
     }
 
     /// Returns the nearest knot (as index into `knots`) of every vertex.
-    pub(super) fn cells(&self, knots: &[u32]) -> Vec<u32> {
+    pub(crate) fn cells(&self, knots: &[u32]) -> Vec<u32> {
         let vertices = self.starts.len() - 1;
         let mut distance = vec![f64::INFINITY; vertices];
         let mut cell = vec![NONE; vertices];
@@ -75,7 +75,7 @@ impl Graph {
     }
 
     /// Returns, for each knot, the knots whose cells touch its own.
-    pub(super) fn adjacency(&self, cell: &[u32], knots: usize) -> Vec<BTreeSet<u32>> {
+    pub(crate) fn adjacency(&self, cell: &[u32], knots: usize) -> Vec<BTreeSet<u32>> {
         let mut adjacency = vec![BTreeSet::new(); knots];
         for vertex in 0..cell.len() as u32 {
             let here = cell[vertex as usize];

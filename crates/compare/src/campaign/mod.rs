@@ -10,7 +10,9 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use crate::display::Display;
-use crate::experiment::{Experiment, ExperimentError, Figure, Plot, Row, ViewHint, experiments};
+use crate::experiment::{
+    Column, Experiment, ExperimentError, Figure, Plot, Property, Row, ViewHint, experiments,
+};
 use crate::machine::Machine;
 use crate::models::{Manifest, Provenance, models_folder};
 use crate::record::{Record, Tool};
@@ -128,8 +130,12 @@ pub struct ItemReport {
     pub notes: String,
     /// Seconds that its rows took when they ran.
     pub seconds: f64,
+    /// Further columns of its table.
+    pub columns: Vec<Column>,
     /// The rows in the order of the file.
     pub rows: Vec<RowReport>,
+    /// Properties of splines that the paper prints and rows measured.
+    pub properties: Vec<Property>,
     /// What is drawn of its surfaces.
     pub figures: Vec<Figure>,
     /// What is drawn of its figures.
@@ -313,6 +319,11 @@ fn item_report(experiment: Experiment, mut rows: Vec<RowReport>) -> ItemReport {
         .map(|report| (report.row.id.clone(), mean(report)))
         .collect();
     for (report, (_, ours)) in rows.iter_mut().zip(&means) {
+        if let RowResult::Done(record) = &report.result {
+            let properties = &experiment.properties;
+            let judgement = &mut report.judgement;
+            judgement.judge_properties(&report.row.id, properties, record);
+        }
         let Some(other) = &report.row.more_accurate_than else {
             continue;
         };
@@ -331,7 +342,9 @@ fn item_report(experiment: Experiment, mut rows: Vec<RowReport>) -> ItemReport {
         item: experiment.item,
         title: experiment.title,
         notes: experiment.notes,
+        columns: experiment.columns,
         rows,
+        properties: experiment.properties,
         figures: experiment.figures,
         plots: experiment.plots,
     }

@@ -35,6 +35,17 @@ pub struct Panel {
     pub show: Show,
     /// Which frame of a row about an animation; its last shown one where absent.
     pub frame: Option<usize>,
+    /// The attribute of its stored surface that is shown; only with [`Show::Field`].
+    pub field: Option<String>,
+    /// What that attribute looks like, [`FieldColours::Sequential`] where absent; only with
+    /// [`Show::Field`].
+    pub colours: Option<FieldColours>,
+    /// Whose numbers its colours span, [`FieldScale::Shared`] where absent; only with
+    /// [`Show::Field`] and numbers.
+    pub scale: Option<FieldScale>,
+    /// Whether the knots or control vertices are drawn on top, as [`Show::Knots`] does.
+    #[serde(default)]
+    pub knots: bool,
     /// What stands below it; the label of the row where absent.
     pub label: Option<String>,
     /// Which edges are drawn.
@@ -58,6 +69,67 @@ pub enum Show {
     Error,
     /// The knots or control vertices on the input mesh.
     Knots,
+    /// An attribute of the stored surface as colours on it.
+    Field,
+}
+
+/// What the numbers of a field look like.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FieldColours {
+    /// From the lowest to the highest.
+    #[default]
+    Sequential,
+    /// Signed: the two signs apart, zero in the middle.
+    Diverging,
+    /// Whole numbers that name cells; cells that touch have different colours, and what is
+    /// negative is in no cell.
+    Cells,
+    /// The attributes `red`, `green` and `blue` as they are.
+    Values,
+}
+
+/// Whose numbers the colours of a field span.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FieldScale {
+    /// Those of all panels of the figure that show the field of this name.
+    #[default]
+    Shared,
+    /// Those of the panel alone.
+    Own,
+}
+
+impl Panel {
+    /// Returns how its field is coloured.
+    #[must_use]
+    pub fn field_colours(&self) -> FieldColours {
+        self.colours.unwrap_or_default()
+    }
+
+    /// Returns which fields contradict each other, and what to write.
+    pub(super) fn problem(&self) -> Option<&'static str> {
+        let says_how = self.field.is_some() || self.colours.is_some() || self.scale.is_some();
+        let has_numbers = matches!(
+            self.field_colours(),
+            FieldColours::Sequential | FieldColours::Diverging
+        );
+        match (self.show, self.field_colours()) {
+            (Show::Field, FieldColours::Values) if self.field.is_some() => {
+                Some("`colours = \"values\"` shows `red`, `green` and `blue`; leave out `field`")
+            }
+            (Show::Field, FieldColours::Values) if self.scale.is_none() => None,
+            (Show::Field, _) if self.scale.is_some() && !has_numbers => {
+                Some("cells and values have no `scale`; leave it out")
+            }
+            (Show::Field, _) if self.field.is_none() => {
+                Some("name the attribute of its surface as `field`")
+            }
+            (Show::Field, _) => None,
+            _ if says_how => Some("`field`, `colours` and `scale` go with `show = \"field\"` only"),
+            _ => None,
+        }
+    }
 }
 
 /// Edges in a panel.
@@ -195,5 +267,71 @@ impl Axis {
             Self::Elapsed => "seconds since the start",
             Self::Objective => "rms error, % of diagonal",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::parse_with;
+
+    #[test]
+    fn panels_of_fields_are_refused_with_file_figure_and_panel() {
+        let parse = |fields: &str| {
+            let first = "[[figure.panel]]\nrow = \"a\"\nshow = \"spline\"\nknots = true\n";
+            let text = format!(
+                "[[figure]]\nid = \"f\"\ncaption = \"\"\n{first}[[figure.panel]]\nrow = \"a\"\n{fields}\n"
+            );
+            parse_with("", &text)
+        };
+        let show = "show = \"field\"\n";
+        for good in [
+            "field = \"u\"",
+            "field = \"u\"\ncolours = \"diverging\"\nscale = \"own\"",
+            "field = \"u\"\ncolours = \"cells\"\nknots = true",
+            "colours = \"values\"",
+        ] {
+            parse(&format!("{show}{good}")).expect(good);
+        }
+        let bad = [
+            (
+                "show = \"spline\"\nfield = \"u\"",
+                "go with `show = \"field\"` only",
+            ),
+            (
+                "show = \"error\"\nscale = \"own\"",
+                "go with `show = \"field\"` only",
+            ),
+            ("show = \"field\"", "name the attribute"),
+            (
+                "show = \"field\"\ncolours = \"cells\"",
+                "name the attribute",
+            ),
+            (
+                "show = \"field\"\nfield = \"u\"\ncolours = \"values\"",
+                "leave out `field`",
+            ),
+            (
+                "show = \"field\"\ncolours = \"values\"\nscale = \"own\"",
+                "no `scale`",
+            ),
+            (
+                "show = \"field\"\nfield = \"u\"\ncolours = \"cells\"\nscale = \"shared\"",
+                "no `scale`",
+            ),
+        ];
+        for (fields, message) in bad {
+            let error = parse(fields).expect_err(fields).to_string();
+            let place = "p/i.toml: figure `f`: panel 2 (row `a`): ";
+            assert!(
+                error.starts_with(place) && error.contains(message),
+                "{error}"
+            );
+        }
+        let error = parse("show = \"field\"\nfield = \"u\"\ncolours = \"rainbow\"");
+        let text = error.expect_err("no such colours").to_string();
+        assert!(
+            text.contains("p/i.toml") && text.contains("rainbow"),
+            "{text}"
+        );
     }
 }

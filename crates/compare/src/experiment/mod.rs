@@ -1,7 +1,9 @@
 //! Experiments: one file per table or figure of a paper, with what it prints and what we say to it.
 
+mod column;
 mod figure;
 mod over_time;
+mod property;
 mod row;
 
 use std::collections::BTreeSet;
@@ -11,8 +13,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::generated::GeneratedSurface;
 
-pub use figure::{Axis, Callout, Corner, Edges, Figure, Panel, Plot, Show, UpAxis, ViewHint};
+pub use column::{Column, Notation};
+pub use figure::{
+    Axis, Callout, Corner, Edges, FieldColours, FieldScale, Figure, Panel, Plot, Show, UpAxis,
+    ViewHint,
+};
 pub use over_time::RowFrames;
+pub use property::{Measured, Property, splines};
 pub use row::{Ancestors, MethodName, Printed, Recorded, Row, RowData};
 
 /// The schema of [`Experiment`].
@@ -33,9 +40,15 @@ pub struct Experiment {
     /// What a reader should know about the whole item.
     #[serde(default)]
     pub notes: String,
+    /// Further columns of its table.
+    #[serde(default)]
+    pub columns: Vec<Column>,
     /// Its rows.
     #[serde(rename = "row")]
     pub rows: Vec<Row>,
+    /// Properties of splines, as the paper prints and as rows measured them.
+    #[serde(default, rename = "property")]
+    pub properties: Vec<Property>,
     /// Figures of its surfaces.
     #[serde(default, rename = "figure")]
     pub figures: Vec<Figure>,
@@ -81,6 +94,26 @@ pub enum ExperimentError {
         path: String,
         /// The figure or plot.
         figure: String,
+        /// What is wrong and what to write.
+        problem: String,
+    },
+    /// A column that no record can fill.
+    #[error("{path}: column `{column}`: {problem}")]
+    Column {
+        /// The file.
+        path: String,
+        /// The quantity of the column.
+        column: String,
+        /// What is wrong and what to write.
+        problem: String,
+    },
+    /// A property that cannot be judged.
+    #[error("{path}: property `{property}`: {problem}")]
+    Property {
+        /// The file.
+        path: String,
+        /// The property.
+        property: String,
         /// What is wrong and what to write.
         problem: String,
     },
@@ -136,14 +169,15 @@ impl Experiment {
                 });
             }
         }
-        match self.figure_problem() {
-            Some((figure, problem)) => Err(ExperimentError::Figure {
+        if let Some((figure, problem)) = self.figure_problem() {
+            return Err(ExperimentError::Figure {
                 path: name.to_owned(),
                 figure,
                 problem,
-            }),
-            None => Ok(()),
+            });
         }
+        column::check(&self.columns, name)?;
+        property::check(&self.properties, |row| self.has_row(row), name)
     }
 
     /// Keeps the row `id`, the rows that it needs, and what can be drawn of them; returns whether
@@ -167,6 +201,11 @@ impl Experiment {
             row.more_accurate_than = other.filter(|other| kept.contains(other));
         }
         self.plots.clear();
+        for property in &mut self.properties {
+            property.measured.retain(|_, m| kept.contains(&m.row));
+        }
+        self.properties
+            .retain(|property| !property.measured.is_empty());
         found
     }
 
@@ -233,12 +272,16 @@ impl Experiment {
                 return Some((id.clone(), problem.to_owned()));
             }
         }
-        self.figures.iter().find_map(|figure| {
-            let problem = figure.panels.iter().find_map(|panel| {
-                let row = self.rows.iter().find(|row| row.id == panel.row)?;
-                over_time::panel_problem(panel, row)
-            });
-            Some((figure.id.clone(), problem?))
+        let mut panels = self.figures.iter().flat_map(|figure| {
+            let panels = figure.panels.iter().enumerate();
+            panels.map(|(at, panel)| (&figure.id, at, panel))
+        });
+        panels.find_map(|(id, at, panel)| {
+            let row = self.rows.iter().find(|row| row.id == panel.row);
+            let of_frames = row.and_then(|row| over_time::panel_problem(panel, row));
+            let problem = panel.problem().map(str::to_owned).or(of_frames)?;
+            let place = format!("panel {} (row `{}`)", at + 1, panel.row);
+            Some((id.clone(), format!("{place}: {problem}")))
         })
     }
 }
@@ -328,7 +371,7 @@ fn entries(folder: &Path) -> Result<Vec<std::path::PathBuf>, ExperimentError> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::case::{Amount, Input, Knots, Method};
 
@@ -339,6 +382,13 @@ mod tests {
         let text =
             format!("{HEAD}[[row]]\nid = \"a\"\nlabel = \"A\"\nmethod = \"biharmonic\"\n{row}");
         Experiment::parse(&text, "p/i.toml")
+    }
+
+    /// Parses an experiment of one row `a` with fields before and tables after it.
+    pub(crate) fn parse_with(fields: &str, tables: &str) -> Result<Experiment, ExperimentError> {
+        let row = "[[row]]\nid = \"a\"\nlabel = \"A\"\nmethod = \"biharmonic\"\nsurface = \
+                   \"genus-2\"\nknots = \"5\"\n";
+        Experiment::parse(&format!("{HEAD}{fields}\n{row}{tables}"), "p/i.toml")
     }
 
     #[test]

@@ -48,18 +48,21 @@ impl Row {
 
 /// Returns why a panel cannot show what it asks for of `row`.
 pub(super) fn panel_problem(panel: &Panel, row: &Row) -> Option<String> {
-    let frame = panel.frame?;
     let shown = row.over_time.as_ref().map(|frames| &frames.show);
-    match shown {
-        None => Some(format!("row `{}` has no frames; leave out `frame`", row.id)),
-        Some(_) if panel.show == Show::Knots => {
+    match (shown, panel.frame) {
+        (None, None) => None,
+        (None, Some(_)) => Some(format!("row `{}` has no frames; leave out `frame`", row.id)),
+        (Some(_), _) if panel.knots => {
+            Some("knots of frames lie on the mesh at rest; use `show = \"knots\"`".to_owned())
+        }
+        (Some(_), Some(_)) if panel.show == Show::Knots => {
             Some("`knots` shows those of the last frame of `show`; leave out `frame`".to_owned())
         }
-        Some(shown) if !shown.contains(&frame) => Some(format!(
+        (Some(shown), Some(frame)) if !shown.contains(&frame) => Some(format!(
             "row `{}` does not keep frame {frame}; list it in its `show`",
             row.id
         )),
-        Some(_) => None,
+        (Some(_), _) => None,
     }
 }
 

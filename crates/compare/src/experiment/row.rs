@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::RowFrames;
-use crate::case::{Amount, AmountError, Case, CaseCreases, Data, Input, Knots, Method};
+use crate::case::{
+    Amount, AmountError, Case, CaseCreases, Data, Input, Knots, Method, Task, Weights,
+};
 
 /// One row of an experiment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,6 +44,19 @@ pub struct Row {
     /// Rounds of midpoint subdivision at whose vertices the spline is evaluated.
     #[serde(default)]
     pub subdivide: u32,
+    /// Where that subdivision puts its vertices.
+    #[serde(default)]
+    pub scheme: msplines_biharmonic::Scheme,
+    /// Whether the spline lives on the double cover of the input.
+    #[serde(default)]
+    pub double_cover: bool,
+    /// What is done beyond a fit.
+    pub task: Option<Task>,
+    /// Where vertices count more than elsewhere.
+    pub weights: Option<Weights>,
+    /// Whether the knots of `knots_from` may lie inside faces.
+    #[serde(default)]
+    pub inside_faces: bool,
     /// Whether the two-sided distance between the surfaces is measured.
     #[serde(default)]
     pub measure_distance: bool,
@@ -204,6 +219,9 @@ impl Row {
     pub fn case(&self, input: Input, ancestors: &Ancestors) -> Result<Case, AmountError> {
         let asked = self.knots.as_deref().unwrap_or_default();
         let mut method = match (self.method, &ancestors.knots) {
+            (MethodName::Biharmonic, Some(points)) if self.inside_faces => {
+                Method::biharmonic(Knots::At(points.clone()))
+            }
             (MethodName::Biharmonic, Some(points)) => {
                 Method::biharmonic(Knots::Near(points.clone()))
             }
@@ -213,6 +231,7 @@ impl Row {
         if let Method::Biharmonic(method) = &mut method {
             method.effort = self.effort.unwrap_or(method.effort);
             method.selection = self.selection.unwrap_or(method.selection);
+            method.weights.clone_from(&self.weights);
             if let Some(degrees) = self.creases {
                 method.creases = CaseCreases::SharperThan(degrees);
             }
@@ -224,6 +243,9 @@ impl Row {
         Ok(Case {
             data,
             subdivide: self.subdivide,
+            scheme: self.scheme,
+            double_cover: self.double_cover,
+            task: self.task.clone().unwrap_or_default(),
             measure_distance: self.measure_distance,
             reference: ancestors.reference.clone(),
             ..Case::new(input, method)

@@ -2,6 +2,7 @@
 
 pub mod drawing;
 pub mod html;
+mod properties;
 mod quantities;
 pub mod surface_payload;
 mod tables;
@@ -13,20 +14,28 @@ use std::path::{Path, PathBuf};
 use comfy_table::ContentArrangement;
 use comfy_table::presets::UTF8_FULL_CONDENSED;
 
-use crate::campaign::{CampaignError, Report, RowReport};
+use crate::campaign::{CampaignError, ItemReport, Report, RowReport, Times};
 
+pub use properties::property_table;
 pub use quantities::{Quantity, Unit, cost_quantities, error_quantity};
 pub use tables::{Cell, Table, cost_table, error_table, notes};
+
+/// Returns the tables of an item that say anything.
+fn tables(item: &ItemReport, times: Times) -> impl Iterator<Item = Table> {
+    let all = [
+        error_table(item),
+        property_table(item),
+        cost_table(item, times),
+    ];
+    all.into_iter().filter(|table| !table.rows.is_empty())
+}
 
 /// Returns the report for a terminal.
 #[must_use]
 pub fn terminal(report: &Report) -> String {
     let mut text = String::new();
     for item in &report.items {
-        for table in [error_table(item), cost_table(item, report.times)] {
-            if table.rows.is_empty() {
-                continue;
-            }
+        for table in tables(item, report.times) {
             let mut drawn = comfy_table::Table::new();
             drawn.load_style(UTF8_FULL_CONDENSED);
             drawn.set_content_arrangement(ContentArrangement::Dynamic);
@@ -62,10 +71,8 @@ pub fn markdown(report: &Report, paper: &str) -> String {
     );
     for item in report.items.iter().filter(|item| item.paper == paper) {
         let _ = writeln!(text, "\n## {}: {}\n", item.item, item.title);
-        for table in [error_table(item), cost_table(item, report.times)] {
-            if !table.rows.is_empty() {
-                push_markdown_table(&mut text, &table);
-            }
+        for table in tables(item, report.times) {
+            push_markdown_table(&mut text, &table);
         }
         for note in notes(item) {
             let _ = writeln!(text, "- {}", cell(&note));
@@ -78,6 +85,7 @@ fn push_markdown_table(text: &mut String, table: &Table) {
     let mut line = |cells: Vec<String>| {
         let _ = writeln!(text, "| {} |", cells.join(" | "));
     };
+    let cell = |text: &str| cell(&text.trim().replace('\n', "<br>"));
     line(table.header.iter().map(|name| cell(name)).collect());
     line(vec!["---".to_owned(); table.header.len()]);
     for row in &table.rows {

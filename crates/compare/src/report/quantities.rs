@@ -1,7 +1,35 @@
 //! The quantities of a row: what the paper prints, what we got, and the ratio.
 
 use crate::campaign::{RowReport, RowResult};
+use crate::experiment::Notation;
 use crate::record::Record;
+
+/// Numbers of this size and larger ones are written with a power of ten.
+const LARGE: f64 = 1e6;
+/// Numbers below this size are written with a power of ten.
+const SMALL: f64 = 1e-3;
+/// Digits of a number that is no count.
+const DIGITS: i32 = 4;
+
+/// Returns a number in its usual form: counts in full, others with four digits, and a power of ten
+/// where it is very large or small.
+pub(super) fn show_number(value: f64) -> String {
+    let size = value.abs();
+    if size >= LARGE || (size > 0.0 && size < SMALL) {
+        return format!("{value:.1e}");
+    }
+    if value.fract() == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let before = size.log10().floor() as i32 + 1;
+    let places = (DIGITS - before).clamp(0, DIGITS) as usize;
+    let text = format!("{value:.places$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
 
 /// One quantity of a row.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +87,19 @@ impl Unit {
             Self::Seconds => format!("{value:.0} s"),
             Self::Bytes => format!("{:.0} MiB", value / f64::from(1 << 20)),
             Self::Count => format!("{value:.0}"),
+        }
+    }
+}
+
+impl Notation {
+    /// Returns a value as tables for people show it.
+    #[must_use]
+    pub fn show(self, value: f64) -> String {
+        match self {
+            Self::Number => show_number(value),
+            Self::Percent => Unit::Fraction.show(value),
+            Self::Scientific => format!("{value:.2e}"),
+            Self::Seconds => Unit::Seconds.show(value),
         }
     }
 }
@@ -159,4 +200,34 @@ fn phase_seconds(record: &Record, names: &[&str]) -> f64 {
         .filter_map(|&name| record.seconds.phases.get(name));
     // An empty sum of floating-point numbers is -0.
     phases.fold(0.0, |sum, seconds| sum + seconds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Notation, show_number};
+
+    #[test]
+    fn numbers_have_their_usual_form() {
+        let shown = [
+            (0.0, "0"),
+            (7753.0, "7753"),
+            (2.22e-16, "2.2e-16"),
+            (1e-12, "1.0e-12"),
+            (-0.25, "-0.25"),
+            (0.012_345, "0.0123"),
+            (12.345_6, "12.35"),
+            (1234.56, "1235"),
+            (1234.96, "1235"),
+            (1100.4, "1100"),
+            (3.2e9, "3.2e9"),
+            (f64::INFINITY, "inf"),
+            (f64::NAN, "NaN"),
+        ];
+        for (value, text) in shown {
+            assert_eq!(show_number(value), text);
+        }
+        assert_eq!(Notation::Percent.show(0.5), "50.0000 %");
+        assert_eq!(Notation::Scientific.show(1234.5), "1.23e3");
+        assert_eq!(Notation::Seconds.show(1.5), "1.50 s");
+    }
 }

@@ -22,7 +22,8 @@ impl Cell {
         self.text != NONE
     }
 
-    fn text(text: impl Into<String>) -> Self {
+    /// Returns a cell without a number.
+    pub(super) fn text(text: impl Into<String>) -> Self {
         Self {
             text: text.into(),
             value: None,
@@ -56,9 +57,10 @@ pub struct Table {
 }
 
 /// An absent value.
-const NONE: &str = "-";
+pub(super) const NONE: &str = "-";
 
-/// Returns the table `paper | ours | ratio | tolerance | verdict` of an item.
+/// Returns the table `paper | ours | ratio | tolerance | verdict` of an item, with the columns that
+/// its experiment asks for.
 #[must_use]
 pub fn error_table(item: &ItemReport) -> Table {
     let mut header = vec![
@@ -78,6 +80,7 @@ pub fn error_table(item: &ItemReport) -> Table {
     if has_distance {
         header.push("distance, rms");
     }
+    header.extend(item.columns.iter().map(|column| column.title.as_str()));
     let cells = |report: &RowReport| {
         let mut cells = error_cells(report);
         if has_distance {
@@ -86,6 +89,11 @@ pub fn error_table(item: &ItemReport) -> Table {
                 Unit::Fraction.show(v)
             }));
         }
+        let record = report.result.record();
+        cells.extend(item.columns.iter().map(|column| {
+            let value = record.and_then(|record| record.number(&column.path));
+            Cell::number(value, |v| column.notation.show(v))
+        }));
         cells
     };
     Table {

@@ -55,7 +55,10 @@ pub fn run(
     check_outputs(&case.outputs)?;
     let mut clock = PhaseClock::start(process_start);
     announce("read", observer);
-    let input = load(&case.input, &mut clock)?;
+    let mut input = load(&case.input, &mut clock)?;
+    if case.double_cover {
+        input = input.double_cover()?;
+    }
     if let Some(over_time) = frames::asked(case, &input)? {
         return frames::run(case, &over_time, &input, &mut clock, observer);
     }
@@ -63,7 +66,9 @@ pub fn run(
     enter("domain", &mut clock, observer);
     let fitted = fit(case, &input, &data, &mut clock, observer)?;
     enter("evaluate", &mut clock, observer);
-    let (mesh, values) = fitted.stored.evaluate(&input.mesh, case.subdivide)?;
+    let (mesh, values) = fitted
+        .stored
+        .evaluate_by(case.scheme, &input.mesh, case.subdivide)?;
     check_finite(&values, data.dimension)?;
     enter("measure", &mut clock, observer);
     let mut measured = measure::against_data(&input, &data, &values, &case.data);

@@ -8,7 +8,7 @@ mod biharmonic;
 use std::io::Write;
 use std::path::Path;
 
-use msplines_biharmonic::Extension;
+use msplines_biharmonic::Scheme;
 use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
 use msplines_ls_mesh::{Constraints, LsMesh};
@@ -158,13 +158,27 @@ impl StoredSpline {
         mesh: &TriangleMesh,
         rounds: u32,
     ) -> Result<(TriangleMesh, Vec<f64>), SplineFileError> {
+        self.evaluate_by(Scheme::Planar, mesh, rounds)
+    }
+
+    /// Returns what [`Self::evaluate`] does on the subdivision of another scheme, where it is not the
+    /// spline.
+    ///
+    /// # Errors
+    /// As [`Self::evaluate`].
+    pub fn evaluate_by(
+        &self,
+        scheme: Scheme,
+        mesh: &TriangleMesh,
+        rounds: u32,
+    ) -> Result<(TriangleMesh, Vec<f64>), SplineFileError> {
         match self {
             Self::Biharmonic(stored) => {
                 let spline = stored.restore(mesh)?;
                 if rounds == 0 {
                     return Ok((mesh.clone(), spline.vertex_values()?));
                 }
-                Ok(spline.subdivision_values(rounds, Extension::AreaWeighted)?)
+                Ok(spline.extension_by(scheme, rounds)?)
             }
             Self::LsMesh { .. } if rounds > 0 => Err(SplineFileError::VerticesOnly),
             Self::LsMesh {

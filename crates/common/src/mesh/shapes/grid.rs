@@ -59,6 +59,22 @@ pub fn cylinder(vertices: usize) -> TriangleMesh {
     grid([columns, rows], [true, false], place)
 }
 
+/// Returns an open vase of about `vertices` vertices around the z axis, fluted and of varying width:
+/// two boundary loops.
+#[must_use]
+pub fn vase(vertices: usize) -> TriangleMesh {
+    grid(
+        counts(vertices, TAU / 3.0, [3, 2]),
+        [true, false],
+        |u, v| {
+            let (angle, height) = (TAU * u, 3.0 * v - 1.5);
+            let width = 0.9 + 0.3 * (2.2 * height).sin();
+            let radius = width * (1.0 + 0.08 * (7.0 * angle + 2.0 * height).cos());
+            Point3::new(radius * angle.cos(), radius * angle.sin(), height)
+        },
+    )
+}
+
 /// Returns a wavy square patch of about `vertices` vertices over [-1, 1]²: one boundary loop.
 #[must_use]
 pub fn height_field(vertices: usize) -> TriangleMesh {

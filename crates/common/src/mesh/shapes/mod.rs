@@ -8,7 +8,7 @@ mod implicit;
 mod round;
 mod sharp;
 
-pub use grid::{cylinder, height_field, torus, torus_knot};
+pub use grid::{cylinder, height_field, torus, torus_knot, vase};
 pub use implicit::genus;
 pub use round::{bumpy_sphere, sphere};
 pub use sharp::{cube, nut};

@@ -4,13 +4,15 @@
 mod frames;
 mod panel;
 mod plots;
+mod scales;
 mod source;
+mod values;
 
 use std::collections::BTreeMap;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use msplines_picture::{ColourBar, ColourMap, ColourScale, Grid, Image, Rgb};
+use msplines_picture::{Grid, Image};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -18,7 +20,9 @@ use super::Unit;
 use super::tables::one_line;
 use crate::campaign::{ItemReport, Report, RowReport, RowResult};
 use crate::experiment::{Figure, Panel, PaperFacts, Show};
+use scales::{Bar, Scales};
 use source::{Domains, Source};
+use values::Subject;
 
 /// How pictures are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +62,7 @@ struct DrawnFigure {
     look_for: String,
     columns: usize,
     panels: Vec<DrawnPanel>,
+    /// The scale of all panels, where there is only one.
     bar: Option<Bar>,
     /// The whole figure as one picture, for other documents.
     #[serde(skip)]
@@ -74,15 +79,9 @@ struct DrawnPanel {
     width: usize,
     height: usize,
     payload: Option<String>,
+    /// Its scale, where that is not the only one of the figure.
+    bar: Option<Bar>,
     absent: String,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct Bar {
-    picture: String,
-    width: usize,
-    height: usize,
-    label: &'static str,
 }
 
 /// A plot as `data:` address.
@@ -119,12 +118,8 @@ impl DrawnItem {
     }
 }
 
-/// Share of the vertices whose errors the colour scale of a figure spans.
-const SPANNED: f64 = 0.98;
 /// Size of the labels of a figure as one picture, over the side of its panels.
 const SHEET_TEXT: f64 = 0.045;
-/// What stands above the colour scale.
-const BAR_LABEL: &str = "% of diagonal";
 
 /// Draws everything that a report shows. A picture that cannot be drawn says why in its place.
 #[must_use]
@@ -182,57 +177,78 @@ fn draw_figure(
     options: DrawingOptions,
 ) -> DrawnFigure {
     let sources = sources(item, figure, domains);
-    let shows_errors = |panel: &&Panel| panel.show == Show::Error;
-    let highest = figure
-        .panels
-        .iter()
-        .filter(shows_errors)
-        .filter_map(|panel| sources.get(&key(panel))?.as_ref().ok())
-        .map(|source| 100.0 * source.error_quantile(SPANNED))
-        .fold(0.0, f64::max);
-    let has_errors = highest > 0.0;
-    let top = if has_errors { highest } else { 1.0 };
-    let scale = ColourScale::linear(ColourMap::ColdWarm, [0.0, top]);
-    let panels = figure.panels.par_iter().map(|panel| {
-        let mut image = None;
-        let mut drawn = DrawnPanel {
-            label: label(item, panel),
-            ..DrawnPanel::default()
-        };
-        let source = sources.get(&key(panel));
-        let picture = match source {
-            Some(Ok(source)) => panel::draw(panel, source, scale, options),
+    let panels = figure.panels.iter();
+    let subjects: Vec<Result<Subject<'_>, String>> = panels
+        .map(|panel| match sources.get(&key(panel)) {
+            Some(Ok(source)) => Subject::of(panel, source),
             Some(Err(why)) => Err(why.clone()),
             None => Err(format!("no row {}", panel.row)),
-        };
-        match picture {
-            Ok(picture) => {
-                drawn.width = picture.image.width();
-                drawn.height = picture.image.height();
-                drawn.picture = Some(png_address(&picture.image));
-                drawn.payload = picture.payload;
-                drawn.measure = measure(item, panel, source);
-                image = Some(picture.image);
-            }
-            Err(why) => drawn.absent = why,
-        }
-        (drawn, image)
-    });
-    let (panels, images): (Vec<DrawnPanel>, Vec<Option<Image>>) = panels.unzip();
+        })
+        .collect();
+    let scales = Scales::of(&figure.panels, &subjects);
+    let places = (0..figure.panels.len()).into_par_iter();
+    let (panels, images): (Vec<DrawnPanel>, Vec<Option<Image>>) = places
+        .map(|at| {
+            draw_panel(
+                item,
+                (at, &figure.panels[at]),
+                &subjects[at],
+                &scales,
+                options,
+            )
+        })
+        .unzip();
     let columns = figure.columns.clamp(1, 6);
     let sheet = sheet(&panels, &images, columns);
+    let common = scales.common.as_ref();
     DrawnFigure {
         id: figure.id.clone(),
         caption: one_line(&figure.caption),
         look_for: one_line(&figure.look_for),
         columns,
         panels,
-        bar: if has_errors { bar(scale) } else { None },
+        bar: common.and_then(|scale| scale.bar()),
         sheet: sheet.map(|sheet| {
-            let beside = ColourBar::new(scale, BAR_LABEL).beside(&sheet).ok();
-            beside.filter(|_| has_errors).unwrap_or(sheet)
+            let beside = common.and_then(|scale| scale.beside(&sheet));
+            beside.unwrap_or(sheet)
         }),
     }
+}
+
+/// Draws the panel `at` for the page, and as it stands in the figure as one picture.
+fn draw_panel(
+    item: &ItemReport,
+    (at, panel): (usize, &Panel),
+    subject: &Result<Subject<'_>, String>,
+    scales: &Scales,
+    options: DrawingOptions,
+) -> (DrawnPanel, Option<Image>) {
+    let mut drawn = DrawnPanel {
+        label: label(item, panel),
+        ..DrawnPanel::default()
+    };
+    let colours = scales.of_panels[at].as_ref().map(|scale| &scale.colours);
+    let picture = match subject {
+        Ok(subject) => panel::draw(panel, subject, colours, options),
+        Err(why) => Err(why.clone()),
+    };
+    let picture = match picture {
+        Ok(picture) => picture,
+        Err(why) => {
+            drawn.absent = why;
+            return (drawn, None);
+        }
+    };
+    drawn.width = picture.image.width();
+    drawn.height = picture.image.height();
+    drawn.picture = Some(png_address(&picture.image));
+    drawn.payload = picture.payload;
+    let source = subject.as_ref().ok().map(|subject| subject.source);
+    drawn.measure = measure(item, panel, source);
+    let beside = scales.beside(at);
+    drawn.bar = beside.and_then(|scale| scale.bar());
+    let whole = beside.and_then(|scale| scale.beside(&picture.image));
+    (drawn, Some(whole.unwrap_or(picture.image)))
 }
 
 /// Returns the panels that could be drawn, side by side.
@@ -272,13 +288,14 @@ fn label(item: &ItemReport, panel: &Panel) -> String {
 }
 
 /// Returns the number behind a picture of a spline.
-fn measure(item: &ItemReport, panel: &Panel, source: Option<&Result<Source, String>>) -> String {
+fn measure(item: &ItemReport, panel: &Panel, source: Option<&Source>) -> String {
     let row = item
         .row(&panel.row)
         .filter(|_| matches!(panel.show, Show::Error | Show::Spline));
-    if let (Some(true), Some(Ok(source))) = (row.map(|row| row.row.over_time.is_some()), source) {
+    let of_frame = row.filter(|row| row.row.over_time.is_some());
+    if let (Some(_), Some(Ok(fitted))) = (of_frame, source.map(|source| &source.fitted)) {
         // The figures of the row are those of all frames.
-        return format!("mean error {}", Unit::Fraction.show(source.mean_error()));
+        return format!("mean error {}", Unit::Fraction.show(fitted.mean_error()));
     }
     let error = row.map(super::error_quantity);
     let Some((unit, ours)) = error.and_then(|quantity| Some((quantity.unit, quantity.ours?)))
@@ -291,18 +308,6 @@ fn measure(item: &ItemReport, panel: &Panel, source: Option<&Result<Source, Stri
         _ => "mean error",
     };
     format!("{name} {}", unit.show(ours))
-}
-
-fn bar(scale: ColourScale) -> Option<Bar> {
-    const HEIGHT: usize = 480;
-    let nothing = Image::new(2, HEIGHT, Rgb::WHITE).ok()?;
-    let image = ColourBar::new(scale, BAR_LABEL).beside(&nothing).ok()?;
-    Some(Bar {
-        picture: png_address(&image),
-        width: image.width() / 2,
-        height: image.height() / 2,
-        label: BAR_LABEL,
-    })
 }
 
 fn png_address(image: &Image) -> String {

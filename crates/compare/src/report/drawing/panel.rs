@@ -3,12 +3,13 @@
 use msplines_common::Point3;
 use msplines_common::mesh::{Decimated, TriangleMesh};
 use msplines_picture::{
-    Axis, Callout, Camera, ColourScale, Corner, Curves, Drawing, Image, Paint, PictureError,
-    Radius, Rect, Rgb, Scene, Shading, Spheres, Surface, View, edges,
+    Axis, Callout, Camera, ColourMap, ColourScale, Corner, Curves, Drawing, Image, Paint,
+    PictureError, Radius, Rect, Rgb, Scene, Shading, Spheres, Surface, View, edges,
 };
 
 use super::super::surface_payload::{self, Lines, Points, SurfaceView};
 use super::source::Source;
+use super::values::{SplitFaces, Subject, Values};
 use super::{DrawingOptions, Views};
 use crate::experiment::{Callout as Part, Corner as PartCorner, Edges, Panel, Show, UpAxis};
 
@@ -26,6 +27,9 @@ const KNOT_SHARE: f64 = 130.0;
 const EDGE: Rgb = Rgb::new(92, 98, 108);
 /// Pixels of the corner per pixel of a magnified part.
 const MAGNIFICATION: usize = 3;
+/// What numbers are painted with where their scale is not known: all errors are zero, which is good,
+/// or nothing is a finite number, which is grey.
+const UNKNOWN: ColourScale = ColourScale::linear(ColourMap::ColdWarm, [0.0, 1.0]);
 
 /// A drawn panel.
 pub(super) struct Picture {
@@ -38,6 +42,8 @@ struct Stage<'a> {
     mesh: &'a TriangleMesh,
     /// The surface that the camera is turned to.
     framed: &'a TriangleMesh,
+    /// The mesh cut along the borders of its cells, where those are painted.
+    cells: Option<&'a SplitFaces>,
     paint: Paint<'a>,
     colours: Vec<Rgb>,
     edges: Vec<[u32; 2]>,
@@ -51,18 +57,32 @@ struct Stage<'a> {
 /// Draws a panel, or says why it cannot be drawn.
 pub(super) fn draw(
     panel: &Panel,
-    source: &Source,
-    scale: ColourScale,
+    subject: &Subject<'_>,
+    scale: Option<&ColourScale>,
     options: DrawingOptions,
 ) -> Result<Picture, String> {
+    let source = subject.source;
     // Errors are known at the vertices of the input only.
-    let percent: Vec<f64> = source.errors.iter().map(|error| 100.0 * error).collect();
-    let fitted = fitted_input(source);
-    let stage = stage(panel, source, scale, &percent, &fitted);
+    let fitted = (panel.show == Show::Error).then(|| fitted_input(source));
+    let mesh = match (panel.show, &fitted) {
+        (_, Some(fitted)) => fitted,
+        (Show::Spline | Show::Field, None) => &source.spline,
+        (Show::Input | Show::Knots | Show::Error, None) => framed(panel, source),
+    };
+    let stage = stage(panel, subject, mesh, scale);
     let image = still(&stage, panel, options.pixels).map_err(|e| e.to_string())?;
     let payload =
         (options.views == Views::Turnable).then(|| turnable(&stage, source, options.pixels));
     Ok(Picture { image, payload })
+}
+
+/// Returns the surface beside which a panel shows a spline; knots are known by their places on the
+/// domain.
+fn framed<'a>(panel: &Panel, source: &'a Source) -> &'a TriangleMesh {
+    match panel.show {
+        Show::Knots => source.input(),
+        Show::Input | Show::Spline | Show::Error | Show::Field => source.original(),
+    }
 }
 
 /// Returns the input mesh with its vertices moved to the spline.
@@ -74,47 +94,32 @@ fn fitted_input(source: &Source) -> TriangleMesh {
 
 fn stage<'a>(
     panel: &Panel,
-    source: &'a Source,
-    scale: ColourScale,
-    percent: &'a [f64],
-    fitted: &'a TriangleMesh,
+    subject: &'a Subject<'_>,
+    mesh: &'a TriangleMesh,
+    scale: Option<&ColourScale>,
 ) -> Stage<'a> {
-    // Knots are known by their places on the domain.
-    let framed = match panel.show {
-        Show::Knots => source.input(),
-        Show::Input | Show::Spline | Show::Error => source.original(),
-    };
-    let mesh = match panel.show {
-        Show::Input | Show::Knots => framed,
-        Show::Spline => &source.spline,
-        Show::Error => fitted,
-    };
-    let of_data = usize::from(panel.show == Show::Spline);
-    let (paint, colours) = match (&source.colours, panel.show) {
-        (_, Show::Error) => {
-            let colours = percent.iter().map(|&value| scale.colour(value)).collect();
-            let values = percent;
-            (Paint::Scalars { values, scale }, colours)
-        }
-        (Some(colours), Show::Input | Show::Spline) => {
-            let colours = &colours[of_data];
-            (Paint::Colours(colours), colours.clone())
-        }
-        _ => (Paint::Uniform(Rgb::CLAY), Vec::new()),
-    };
+    let source = subject.source;
+    let (paint, colours) = paint(&subject.values, scale);
     let is_image = panel.show == Show::Spline;
-    let edges = match panel.edges {
-        Edges::None => Vec::new(),
-        Edges::Domain if is_image => source.domain_edges(),
-        Edges::Domain => edges(mesh.faces()),
+    let edges = match (panel.edges, panel.show) {
+        (Edges::None, _) => Vec::new(),
+        (Edges::Domain, Show::Spline | Show::Field) => source.domain_edges(),
+        (Edges::Domain, _) => edges(mesh.faces()),
     };
     // The images of edges come in pieces.
-    let pieces = source.pieces_per_edge();
-    let count = edges.len() as f64 / if is_image { pieces } else { 1.0 };
+    let pieces = match panel.show {
+        Show::Spline | Show::Field => source.pieces_per_edge(),
+        Show::Input | Show::Knots | Show::Error => 1.0,
+    };
+    let count = edges.len() as f64 / pieces;
     let [thinnest, thickest] = EDGE_WIDTHS;
     Stage {
         mesh,
-        framed,
+        framed: framed(panel, source),
+        cells: match &subject.values {
+            Values::Cells { split, .. } => Some(split),
+            _ => None,
+        },
         paint,
         colours,
         edges,
@@ -126,12 +131,27 @@ fn stage<'a>(
         } else {
             Shading::Smooth
         },
-        knots: match panel.show {
-            Show::Knots => &source.knots,
-            Show::Input | Show::Spline | Show::Error => &[],
+        knots: if panel.knots || panel.show == Show::Knots {
+            &source.knots
+        } else {
+            &[]
         },
         // All pictures of a row are seen by the same camera.
-        camera: Camera::framing(framed.positions(), &view(panel, source)),
+        camera: Camera::framing(framed(panel, source).positions(), &view(panel, source)),
+    }
+}
+
+/// Returns how the surface is painted, and the colour of each of its vertices.
+fn paint<'a>(values: &'a Values, scale: Option<&ColourScale>) -> (Paint<'a>, Vec<Rgb>) {
+    match values {
+        Values::Bare => (Paint::Uniform(Rgb::CLAY), Vec::new()),
+        Values::Colours(colours) => (Paint::Colours(colours), colours.clone()),
+        Values::Cells { colours, split } => (Paint::FaceColours(&split.colours), colours.clone()),
+        Values::Scalars { values, .. } => {
+            let scale = scale.copied().unwrap_or(UNKNOWN);
+            let colours = values.iter().map(|&value| scale.colour(value)).collect();
+            (Paint::Scalars { values, scale }, colours)
+        }
     }
 }
 
@@ -159,8 +179,11 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
     let per_thousand = pixels as f64 / 1000.0;
     let mut scene = Scene::new(stage.camera);
     let positions = stage.mesh.positions();
-    let surface = Surface::new(positions, stage.mesh.faces()).paint(stage.paint);
-    scene.add(surface.shading(stage.shading));
+    let surface = match stage.cells {
+        Some(split) => Surface::new(&split.positions, &split.faces),
+        None => Surface::new(positions, stage.mesh.faces()),
+    };
+    scene.add(surface.paint(stage.paint).shading(stage.shading));
     if !stage.edges.is_empty() {
         let curves = Curves::new(positions, &stage.edges)
             .colour(stage.edge_colour)
@@ -209,7 +232,7 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
 fn turnable(stage: &Stage<'_>, source: &Source, pixels: usize) -> String {
     let own = stage.mesh.positions();
     let light = match source.domain.light() {
-        Some(light) if own.len() == source.input().vertex_count() => Some(light),
+        Some(light) if stage.mesh.faces() == source.input().faces() => Some(light),
         _ => None,
     };
     let (faces, chosen, colours): (_, Vec<Point3<f64>>, Vec<Rgb>) = match light {

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use msplines_common::Point3;
 use msplines_common::mesh::{Decimated, TriangleMesh, VertexAttribute, decimate, edge_pieces};
 use msplines_io::read_points;
-use msplines_picture::Rgb;
+use msplines_picture::{Rgb, edges};
 
 use super::frames;
 use crate::campaign::{RowReport, Sources};
@@ -62,24 +62,33 @@ impl Domain {
     }
 }
 
-/// The input, the spline, and what lies between them.
+/// The input, the stored surface, and what lies between them.
 pub(super) struct Source {
     /// The domain.
     pub(super) domain: Arc<Domain>,
     /// The surface that was fitted, where that is a frame of an animation of the domain.
     frame: Option<TriangleMesh>,
-    /// The spline where it was evaluated; the domain where the data are colours.
+    /// The stored surface: the spline where it was evaluated, or the domain where the data are no
+    /// positions.
     pub(super) spline: TriangleMesh,
-    /// Colours of the data and of the spline, where the data are colours.
-    pub(super) colours: Option<[Vec<Rgb>; 2]>,
-    /// Error at each vertex of the input, over the scale of the data.
-    pub(super) errors: Vec<f64>,
+    /// What the stored surface carries at its vertices.
+    attributes: Vec<VertexAttribute>,
+    /// How it compares with the data, or why it cannot be compared.
+    pub(super) fitted: Result<Fitted, String>,
     /// Places of the knots on the domain.
     pub(super) knots: Vec<Point3<f64>>,
     /// Rounds of subdivision from the input to the spline.
     rounds: u32,
     /// Where it is seen from.
     pub(super) view: ViewHint,
+}
+
+/// A fit beside its data.
+pub(super) struct Fitted {
+    /// Colours of the data and of the spline, where the data are colours.
+    pub(super) colours: Option<[Vec<Rgb>; 2]>,
+    /// Error at each vertex of the input, over the scale of the data.
+    pub(super) errors: Vec<f64>,
 }
 
 impl Source {
@@ -89,43 +98,45 @@ impl Source {
         frame: Option<usize>,
         domains: &Domains,
     ) -> Result<Self, String> {
-        let missing = || "its files are missing; run the row again with --fresh".to_owned();
         let sources = report.sources.as_ref().ok_or_else(missing)?;
         let Sources { input, files, view } = sources;
         let domain = domains.load(input)?;
-        let input = &domain.loaded;
-        let data = match report.row.data {
-            RowData::Positions => Data::Positions,
-            RowData::ColourPattern => Data::ColourPattern,
-        };
-        let mut data = fit_data(&data, input).map_err(|e| e.to_string())?;
-        let frame = frames::load(report, frame, files, &input.mesh)?;
-        let (spline, attributes, frame) = match frame {
-            Some([original, spline]) => {
-                data.values = coordinates(&original);
-                (spline, Vec::new(), Some(original))
-            }
-            None => {
-                let surface = read_surface(&files.join(ROW_SURFACE));
-                let (spline, attributes) = surface.map_err(|e| e.to_string())?;
-                (spline, attributes, None)
-            }
-        };
-        if spline.vertex_count() < input.mesh.vertex_count() {
-            return Err(missing());
-        }
+        let (frame, spline, attributes) =
+            match frames::load(report, frame, files, &domain.loaded.mesh)? {
+                Some([original, spline]) => (Some(original), spline, Vec::new()),
+                None => {
+                    let surface = read_surface(&files.join(ROW_SURFACE));
+                    let (spline, attributes) = surface.map_err(|e| e.to_string())?;
+                    (None, spline, attributes)
+                }
+            };
         let knots = read_points(&files.join(ROW_KNOTS)).map_err(|e| e.to_string())?;
-        let values = values(&spline, &attributes, &data)?;
         Ok(Self {
-            errors: errors(&data, &values),
-            colours: (report.row.data == RowData::ColourPattern)
-                .then(|| [colours(&data.values), colours(&values)]),
+            fitted: match &frame {
+                Some(original) => Ok(Fitted::of_frame(original, &spline, &domain.loaded)),
+                None => Fitted::of(report.row.data, &domain.loaded, &spline, &attributes),
+            },
             frame,
             spline,
+            attributes,
             knots,
             rounds: report.row.subdivide,
             view: view.unwrap_or_default(),
             domain,
+        })
+    }
+
+    /// Returns an attribute of the stored surface, `[vertex]`, or says which there are.
+    pub(super) fn attribute(&self, name: &str) -> Result<&[f64], String> {
+        let found = self.attributes.iter().find(|a| a.name == name);
+        found.map(|a| a.values.as_slice()).ok_or_else(|| {
+            let names: Vec<&str> = self.attributes.iter().map(|a| a.name.as_str()).collect();
+            let names = if names.is_empty() {
+                "none".to_owned()
+            } else {
+                names.join(", ")
+            };
+            format!("its surface has no attribute `{name}`; there are: {names}")
         })
     }
 
@@ -144,6 +155,55 @@ impl Source {
         f64::from(self.rounds).exp2()
     }
 
+    /// Returns the pieces of the edges of the domain on the spline, as pairs of its vertices; the
+    /// edges of the stored surface where that is no subdivision of the domain.
+    pub(super) fn domain_edges(&self) -> Vec<[u32; 2]> {
+        let (faces, topology) = (self.spline.faces(), self.input().topology());
+        if faces.len() == topology.face_count() << (2 * self.rounds) {
+            edge_pieces(topology, faces, self.rounds)
+        } else {
+            edges(faces)
+        }
+    }
+}
+
+fn missing() -> String {
+    "its files are missing; run the row again with --fresh".to_owned()
+}
+
+impl Fitted {
+    fn of(
+        data: RowData,
+        input: &LoadedInput,
+        spline: &TriangleMesh,
+        attributes: &[VertexAttribute],
+    ) -> Result<Self, String> {
+        if spline.vertex_count() < input.mesh.vertex_count() {
+            return Err(missing());
+        }
+        let fitted = match data {
+            RowData::Positions => Data::Positions,
+            RowData::ColourPattern => Data::ColourPattern,
+        };
+        let fitted = fit_data(&fitted, input).map_err(|e| e.to_string())?;
+        let values = values(spline, attributes, &fitted)?;
+        Ok(Self {
+            errors: errors(&fitted, &values),
+            colours: (data == RowData::ColourPattern)
+                .then(|| [colours(&fitted.values), colours(&values)]),
+        })
+    }
+
+    fn of_frame(original: &TriangleMesh, spline: &TriangleMesh, input: &LoadedInput) -> Self {
+        let pairs = original.positions().iter().zip(spline.positions());
+        // One scale for all frames.
+        let scale = input.mesh.diagonal();
+        Self {
+            errors: pairs.map(|(a, b)| (a - b).norm() / scale).collect(),
+            colours: None,
+        }
+    }
+
     /// Returns the mean of the errors.
     pub(super) fn mean_error(&self) -> f64 {
         self.errors.iter().sum::<f64>() / self.errors.len().max(1) as f64
@@ -159,11 +219,6 @@ impl Source {
             .copied()
             .unwrap_or(0.0)
     }
-
-    /// Returns the pieces of the edges of the domain on the spline, as pairs of its vertices.
-    pub(super) fn domain_edges(&self) -> Vec<[u32; 2]> {
-        edge_pieces(self.input().topology(), self.spline.faces(), self.rounds)
-    }
 }
 
 /// Returns the spline's values, `[vertex][component]`.
@@ -173,7 +228,8 @@ fn values(
     data: &FitData,
 ) -> Result<Vec<f64>, String> {
     if data.names == ["x", "y", "z"] {
-        return Ok(coordinates(spline));
+        let positions = spline.positions().iter();
+        return Ok(positions.flat_map(|p| [p.x, p.y, p.z]).collect());
     }
     let mut columns = Vec::with_capacity(data.names.len());
     for name in &data.names {
@@ -190,11 +246,6 @@ fn values(
         .collect())
 }
 
-fn coordinates(mesh: &TriangleMesh) -> Vec<f64> {
-    let positions = mesh.positions().iter();
-    positions.flat_map(|p| [p.x, p.y, p.z]).collect()
-}
-
 fn errors(data: &FitData, values: &[f64]) -> Vec<f64> {
     let pairs = data.values.chunks(data.dimension);
     pairs
@@ -206,7 +257,8 @@ fn errors(data: &FitData, values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-fn colours(values: &[f64]) -> Vec<Rgb> {
+/// Returns the colours whose channels in 0..=1 are `values`, `[vertex][channel]`.
+pub(super) fn colours(values: &[f64]) -> Vec<Rgb> {
     let byte = |value: f64| (255.0 * value.clamp(0.0, 1.0)).round() as u8;
     values
         .chunks_exact(3)

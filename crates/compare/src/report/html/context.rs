@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::super::drawing::{Drawings, DrawnItem};
+use super::super::properties::{Matrix, matrix};
 use super::super::tables::{self, Table, cost_table, error_table};
 use super::super::viewer::Viewer;
 use crate::campaign::{ItemReport, Report, RowReport, RowResult, Times};
@@ -76,6 +77,7 @@ struct Item<'a> {
     title: &'a str,
     notes: String,
     table: Grid,
+    matrix: Option<Matrix>,
     costs: Option<Grid>,
     remarks: Vec<String>,
     drawn: Option<&'a DrawnItem>,
@@ -232,6 +234,7 @@ fn item_context<'a>(report: &Report, item: &'a ItemReport, drawn: &'a DrawnItem)
         title: &item.title,
         notes: tables::one_line(&item.notes),
         table: errors,
+        matrix: matrix(item),
         costs: has_costs.then_some(costs),
         remarks: tables::remarks(item),
         drawn: (!drawn.is_empty()).then_some(drawn),
@@ -262,14 +265,10 @@ fn grid(anchor: &str, kind: &str, table: &Table, mut lines: Vec<Line>) -> Grid {
             })
             .collect();
     }
-    let header = table
-        .header
-        .iter()
-        .enumerate()
-        .map(|(column, name)| Column {
-            name: name.clone(),
-            is_number: table.rows.iter().any(|row| row[column].value.is_some()),
-        });
+    let header = columns.iter().map(|&column| Column {
+        name: table.header[column].clone(),
+        is_number: table.rows.iter().any(|row| row[column].value.is_some()),
+    });
     Grid {
         id: format!("{anchor}-{kind}"),
         title: table.title.clone(),
