@@ -418,7 +418,7 @@ mod tests {
             .flat_map(|p| [p.x, p.y, p.z])
             .collect();
         assert!(distance(&loaded.frame(0), &rest) < 1e-15);
-        assert!(distance(&loaded.frame(25), &rest) > 0.1);
+        assert!(distance(&loaded.frame(25), &rest) > 0.05);
         for frame in 0..loaded.frames {
             let next = loaded.frame((frame + 1) % loaded.frames);
             let step = distance(&loaded.frame(frame), &next);

@@ -195,13 +195,6 @@ impl Row {
         }
     }
 
-    /// Returns whether its evaluation is a quantity of its own: at other points than the data, or of
-    /// every frame of an animation.
-    #[must_use]
-    pub fn is_evaluated(&self) -> bool {
-        self.subdivide > 0 || self.over_time.is_some()
-    }
-
     /// Returns how many knots are asked for, as tables say it.
     #[must_use]
     pub fn asked_knots(&self) -> String {

@@ -164,13 +164,9 @@ pub fn cost_quantities(report: &RowReport) -> Vec<Quantity> {
             seconds(&["fit"]),
         ),
     ];
-    if report.row.is_evaluated() {
-        let check = |name: &str| record.and_then(|record| record.checks.get(name)?.as_f64());
-        let points = check("evaluated_points");
-        let evaluate = match report.row.over_time {
-            Some(_) => check("evaluate_seconds_median"),
-            None => seconds(&["evaluate"]),
-        };
+    if report.row.subdivide > 0 {
+        let points = record.and_then(|record| record.checks.get("evaluated_points")?.as_f64());
+        let evaluate = seconds(&["evaluate"]);
         let paper = printed.evaluate_seconds;
         quantities.push(Quantity::new(
             "evaluate_seconds",

@@ -177,7 +177,7 @@ pub(super) fn verdict(report: &RowReport) -> String {
 /// Returns the table of times and memory of an item; rows without quantities are left out.
 #[must_use]
 pub fn cost_table(item: &ItemReport, times: Times) -> Table {
-    let evaluates = item.rows.iter().any(|report| report.row.is_evaluated());
+    let evaluates = item.rows.iter().any(|report| report.row.subdivide > 0);
     let mut header = vec![
         "row",
         "T_k paper",
