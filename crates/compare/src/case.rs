@@ -7,6 +7,7 @@ use std::str::FromStr;
 use msplines_biharmonic::Scheme;
 use serde::{Deserialize, Serialize};
 
+use crate::animation::Frames;
 use crate::generated::GeneratedSurface;
 
 /// One run: an input, the data on it, a method with its options, and what to write.
@@ -34,7 +35,8 @@ pub struct Case {
     pub measure_distance: bool,
     /// Another surface that the distance of the spline is measured to as well.
     pub reference: Option<PathBuf>,
-    /// Files to write: surfaces (`.ply`, `.obj`, `.vtu`, `.glb`) and splines (`.json`).
+    /// Files to write: surfaces (`.ply`, `.obj`, `.vtu`, `.glb`), values (`.npy`) and splines
+    /// (`.json`).
     pub outputs: Vec<PathBuf>,
     /// How a spline file names its domain.
     pub domain: DomainStorage,
@@ -78,6 +80,11 @@ impl Case {
             data = Some(values);
         }
         let method = knots.into_iter().chain(creases).chain(weights);
+        let animation = match &mut self.task {
+            Task::Frames(frames) => Some(frames.animation.files_mut()),
+            Task::Fit | Task::Decompose { .. } | Task::Edit(_) | Task::Properties => None,
+        };
+        let method = method.chain(animation.into_iter().flatten());
         method.chain(data).chain(&mut self.reference)
     }
 }
@@ -100,6 +107,8 @@ pub enum Task {
     Edit(Edit),
     /// One fit, and measurements of the basis functions and the laws of its spline space.
     Properties,
+    /// A fit to every frame of an animation, in place of the data at the vertices.
+    Frames(Frames),
 }
 
 /// Control points that are moved.

@@ -6,6 +6,7 @@ use msplines_biharmonic::DecomposeError;
 use msplines_common::evaluate::EvaluateError;
 use msplines_common::mesh::TopologyError;
 
+use crate::animation::FrameError;
 use crate::case::AmountError;
 
 /// The exit codes of the program.
@@ -35,7 +36,7 @@ pub enum RunError {
         source: AmountError,
     },
     /// An output whose format is unknown.
-    #[error("{}: the extension is none of .ply, .obj, .vtu, .glb, .json; give one of them", path.display())]
+    #[error("{}: the extension is none of .ply, .obj, .vtu, .glb, .npy, .json; give one of them", path.display())]
     UnknownOutput {
         /// The output.
         path: PathBuf,
@@ -102,6 +103,15 @@ pub enum RunError {
         /// What is wrong.
         reason: String,
     },
+    /// Frames that the animation does not have.
+    #[error("frames: {0}")]
+    Frames(#[from] FrameError),
+    /// An option of a single surface.
+    #[error("{option} is for a single surface, not for data over time; leave it out")]
+    NotOverTime {
+        /// The option.
+        option: &'static str,
+    },
     /// An attribute that the file does not have.
     #[error("{file} has no vertex attribute `{name}`; it has: {available}")]
     NoSuchAttribute {
@@ -139,7 +149,11 @@ impl RunError {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Amount { .. } | Self::UnknownOutput { .. } | Self::Write { .. } => exit::USAGE,
+            Self::Amount { .. }
+            | Self::UnknownOutput { .. }
+            | Self::Write { .. }
+            | Self::Frames(_)
+            | Self::NotOverTime { .. } => exit::USAGE,
             Self::Input { .. }
             | Self::KnotPoints { .. }
             | Self::Array { .. }

@@ -58,20 +58,17 @@ pub(crate) fn fit(
                 data: values,
                 weights: weights.as_deref(),
             };
-            fit_biharmonic(&input.mesh, target, &options, &mut timed)
+            let fit = biharmonic::fit(&input.mesh, target, &options, &mut timed)?;
+            Ok(Fitted::of_biharmonic(fit, &options))
         }
         Method::LsMesh {
             controls,
             selection,
             constraints,
         } => {
-            let count = count(*controls, "--controls", &input.mesh)?;
-            let options = ls_mesh::Options {
-                controls: ls_mesh::ControlChoice::Selected { count },
-                selection: *selection,
-                constraints: *constraints,
-            };
-            fit_ls_mesh(&input.mesh, values, &options, &mut timed)
+            let options = ls_mesh_options(*controls, *selection, *constraints, &input.mesh)?;
+            let fit = ls_mesh::fit(&input.mesh, values, &options, &mut timed)?;
+            Ok(Fitted::of_ls_mesh(fit, &options))
         }
     }
 }
@@ -138,58 +135,61 @@ pub(crate) fn biharmonic_options(
     Ok((options, weights))
 }
 
-fn fit_biharmonic(
+/// Returns the options of a least-squares mesh.
+pub(crate) fn ls_mesh_options(
+    controls: Amount,
+    selection: ls_mesh::Selection,
+    constraints: ls_mesh::Constraints,
     mesh: &TriangleMesh,
-    target: biharmonic::Target<'_>,
-    options: &biharmonic::Options,
-    observer: &mut Observer<'_>,
-) -> Result<Fitted, RunError> {
-    let fit = biharmonic::fit(mesh, target, options, observer)?;
-    let report = fit.report;
-    let stored = StoredSpline::Biharmonic(StoredBiharmonic::of(&fit.spline));
-    let checks = [
-        ("knots", json!(stored.knots().len())),
-        ("iterations", json!(report.iterations)),
-        ("residual", json!(report.residual)),
-        ("eliminations", json!(report.eliminations)),
-        ("exchanges", json!(report.exchanges[0])),
-        ("exchanges_kept", json!(report.exchanges[1])),
-        ("l1_rounds", json!(report.l1_rounds)),
-        (
-            "crease_edges",
-            json!(fit.spline.space().creases().edges().len()),
-        ),
-    ];
-    Ok(Fitted {
-        stored,
-        options: json!(options),
-        outcome: report.outcome,
-        checks: named(checks),
-        warnings: report.warnings,
+) -> Result<ls_mesh::Options, RunError> {
+    let count = count(controls, "--controls", mesh)?;
+    Ok(ls_mesh::Options {
+        controls: ls_mesh::ControlChoice::Selected { count },
+        selection,
+        constraints,
     })
 }
 
-fn fit_ls_mesh(
-    mesh: &TriangleMesh,
-    values: VertexData<'_>,
-    options: &ls_mesh::Options,
-    observer: &mut Observer<'_>,
-) -> Result<Fitted, RunError> {
-    let fit = ls_mesh::fit(mesh, values, options, observer)?;
-    let report = fit.report;
-    let stored = StoredSpline::of_ls_mesh(&fit.spline, options.constraints);
-    let checks = [
-        ("controls", json!(stored.knots().len())),
-        ("iterations", json!(report.iterations)),
-        ("residual", json!(report.residual)),
-    ];
-    Ok(Fitted {
-        stored,
-        options: json!(options),
-        outcome: report.outcome,
-        checks: named(checks),
-        warnings: report.warnings,
-    })
+impl Fitted {
+    pub(crate) fn of_biharmonic(fit: biharmonic::Fit, options: &biharmonic::Options) -> Self {
+        let report = fit.report;
+        let stored = StoredSpline::Biharmonic(StoredBiharmonic::of(&fit.spline));
+        let creases = fit.spline.space().creases().edges();
+        let checks = [
+            ("knots", json!(stored.knots().len())),
+            ("iterations", json!(report.iterations)),
+            ("residual", json!(report.residual)),
+            ("eliminations", json!(report.eliminations)),
+            ("exchanges", json!(report.exchanges[0])),
+            ("exchanges_kept", json!(report.exchanges[1])),
+            ("l1_rounds", json!(report.l1_rounds)),
+            ("crease_edges", json!(creases.len())),
+        ];
+        Self {
+            stored,
+            options: json!(options),
+            outcome: report.outcome,
+            checks: named(checks),
+            warnings: report.warnings,
+        }
+    }
+
+    pub(crate) fn of_ls_mesh(fit: ls_mesh::Fit, options: &ls_mesh::Options) -> Self {
+        let report = fit.report;
+        let stored = StoredSpline::of_ls_mesh(&fit.spline, options.constraints);
+        let checks = [
+            ("controls", json!(stored.knots().len())),
+            ("iterations", json!(report.iterations)),
+            ("residual", json!(report.residual)),
+        ];
+        Self {
+            stored,
+            options: json!(options),
+            outcome: report.outcome,
+            checks: named(checks),
+            warnings: report.warnings,
+        }
+    }
 }
 
 fn named<const N: usize>(checks: [(&str, Value); N]) -> BTreeMap<String, Value> {

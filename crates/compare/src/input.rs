@@ -307,7 +307,7 @@ fn array_data(path: &Path, input: &LoadedInput) -> Result<FitData, RunError> {
 }
 
 /// Returns the largest difference of two values, or 1 where all are equal.
-fn range(values: &[f64]) -> f64 {
+pub(crate) fn range(values: &[f64]) -> f64 {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if high > low { high - low } else { 1.0 }

@@ -5,6 +5,7 @@
 //! figure of a paper as data; a [`campaign::Campaign`] runs its rows, each in a process of its own,
 //! stores every finished row at once, gives [`verdict`]s and hands a report to [`report`].
 
+pub mod animation;
 mod arrays;
 pub mod campaign;
 pub mod case;

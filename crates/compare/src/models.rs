@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use msplines_io::sha256_file;
 use serde::{Deserialize, Serialize};
 
+use crate::animation::Animation;
 use crate::experiment::{ExperimentError, ViewHint, read_text};
 
 /// The schema of [`Manifest`].
@@ -19,6 +20,39 @@ pub struct Manifest {
     /// The models.
     #[serde(rename = "model")]
     pub models: Vec<Model>,
+    /// Motions of models.
+    #[serde(default, rename = "animation")]
+    pub animations: Vec<SkinnedAnimation>,
+}
+
+/// A motion of a model: weights of its vertices, and a map of every bone for every frame.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SkinnedAnimation {
+    /// Name in experiments.
+    pub name: String,
+    /// Name of the model that moves.
+    pub rest: String,
+    /// What it is and how it differs from the paper's.
+    pub status: String,
+    /// Weights of the vertices.
+    pub weights: DataFile,
+    /// Maps of the bones.
+    pub transforms: DataFile,
+    /// Who made it and where it is found.
+    pub origin: String,
+    /// Under which terms.
+    pub terms: String,
+}
+
+/// A file of numbers.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DataFile {
+    /// Path below the folder of the models.
+    pub file: String,
+    /// SHA-256 of the file.
+    pub sha256: String,
 }
 
 /// One model.
@@ -103,6 +137,30 @@ impl Manifest {
     pub fn model(&self, name: &str) -> Option<&Model> {
         self.models.iter().find(|model| model.name == name)
     }
+
+    /// Returns the animation of this name.
+    #[must_use]
+    pub fn animation(&self, name: &str) -> Option<&SkinnedAnimation> {
+        self.animations.iter().find(|found| found.name == name)
+    }
+}
+
+impl SkinnedAnimation {
+    /// Looks for the files below `folder` and compares their digests.
+    ///
+    /// # Errors
+    /// Why they cannot be used, and what to do.
+    pub fn locate(&self, folder: &Path) -> Result<Animation, String> {
+        let file =
+            |file: &DataFile| match locate(&self.name, &folder.join(&file.file), &file.sha256) {
+                Located::Found(path) => Ok(path),
+                Located::Missing(why) => Err(why),
+            };
+        Ok(Animation::Skinned {
+            weights: file(&self.weights)?,
+            transforms: file(&self.transforms)?,
+        })
+    }
 }
 
 impl Model {
@@ -119,16 +177,19 @@ impl Model {
     /// Looks for the file below `folder` and compares its digest.
     #[must_use]
     pub fn locate(&self, folder: &Path) -> Located {
-        let path = folder.join(&self.file);
-        match sha256_file(&path) {
-            Ok(digest) if digest == self.sha256 => Located::Found(path),
-            Ok(digest) => Located::Missing(format!(
-                "{}: another file than data/models.toml lists (SHA-256 {}...)",
-                self.name,
-                &digest[..12]
-            )),
-            Err(_) => Located::Missing(self.name.clone()),
-        }
+        locate(&self.name, &folder.join(&self.file), &self.sha256)
+    }
+}
+
+/// Looks for a file that belongs to the model or animation `name`.
+fn locate(name: &str, path: &Path, sha256: &str) -> Located {
+    match sha256_file(path) {
+        Ok(digest) if digest == sha256 => Located::Found(path.to_owned()),
+        Ok(digest) => Located::Missing(format!(
+            "{name}: another file than data/models.toml lists (SHA-256 {}...)",
+            &digest[..12]
+        )),
+        Err(_) => Located::Missing(name.to_owned()),
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use msplines_common::Point3;
 use msplines_common::mesh::{TriangleMesh, VertexAttribute};
-use msplines_io::{Surface, write_atomically, write_surface};
+use msplines_io::{Array, Surface, write_atomically, write_npy, write_surface};
 
 use crate::error::RunError;
 use crate::run::RunOutput;
@@ -12,6 +12,8 @@ use crate::spline_file::SplineFile;
 
 /// Extensions that surfaces are written to.
 const SURFACES: [&str; 4] = ["ply", "obj", "vtu", "glb"];
+/// Extension that values are written to.
+const ARRAY: &str = "npy";
 
 /// Checks before any work that every output has a known format and a folder.
 ///
@@ -20,7 +22,8 @@ const SURFACES: [&str; 4] = ["ply", "obj", "vtu", "glb"];
 pub fn check_outputs(outputs: &[PathBuf]) -> Result<(), RunError> {
     for path in outputs {
         let extension = extension(path);
-        if extension != "json" && !SURFACES.contains(&extension.as_str()) {
+        if !["json", ARRAY].contains(&extension.as_str()) && !SURFACES.contains(&extension.as_str())
+        {
             return Err(RunError::UnknownOutput { path: path.clone() });
         }
         check_folder(path)?;
@@ -86,6 +89,9 @@ pub fn write_outputs(
         };
         if extension(path) == "json" {
             write_atomically(path, |out| spline.write(out)).map_err(|e| refused(e.to_string()))?;
+        } else if is_array(path) {
+            let shape = vec![values.len() / names.len(), names.len()];
+            write_array(path, shape, values.to_vec())?;
         } else {
             let surface = Surface {
                 positions: &positions,
@@ -96,6 +102,26 @@ pub fn write_outputs(
         }
     }
     Ok(())
+}
+
+/// Returns whether an output takes values alone.
+pub(crate) fn is_array(path: &Path) -> bool {
+    extension(path) == ARRAY
+}
+
+/// Writes values as an array of this shape.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(crate) fn write_array(
+    path: &Path,
+    shape: Vec<usize>,
+    values: Vec<f64>,
+) -> Result<(), RunError> {
+    write_npy(path, &Array { shape, values }).map_err(|e| RunError::Write {
+        path: path.to_owned(),
+        reason: e.to_string(),
+    })
 }
 
 /// File of a row that holds its surface, or its domain with the fitted data as attributes.
@@ -133,7 +159,11 @@ pub fn write_row_files(folder: &Path, output: &RunOutput) -> Result<(), RunError
         faces: &[],
         attributes: &[],
     };
-    write_surface(&folder.join(ROW_KNOTS), &points).map_err(|e| refused(e.to_string()))
+    write_surface(&folder.join(ROW_KNOTS), &points).map_err(|e| refused(e.to_string()))?;
+    output
+        .frames
+        .iter()
+        .try_for_each(|frame| frame.write(folder))
 }
 
 fn attributes(values: &[f64], names: &[String]) -> Vec<VertexAttribute> {

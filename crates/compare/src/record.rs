@@ -156,8 +156,9 @@ pub struct Seconds {
     pub total: f64,
     /// Processor time of all threads; 0 where the system does not say.
     pub cpu: f64,
-    /// Wall time of the phases that took place: `read`, `preflight`, `domain`, `select`, `fit`,
-    /// `evaluate`, `measure`, `write`.
+    /// Wall time of the phases that took place: `read`, `preflight`, `domain`, `factor`, `select`,
+    /// `fit`, `evaluate`, `measure`, `write`. Only frames of an animation tell `factor`, what they
+    /// share, from `evaluate`.
     pub phases: BTreeMap<String, f64>,
 }
 

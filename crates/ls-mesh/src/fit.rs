@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use msplines_common::evaluate::VertexData;
 use msplines_common::linalg::Mat;
-use msplines_common::mesh::{Topology, TriangleMesh};
+use msplines_common::mesh::TriangleMesh;
 use msplines_common::progress::{Observer, Outcome, Progress};
 
 use crate::error::{FitError, check_data, check_options};
@@ -63,15 +63,40 @@ pub fn fit(
     options: &Options,
     observer: &mut Observer<'_>,
 ) -> Result<Fit, FitError> {
-    let topology = mesh.topology();
     check_data(mesh.vertex_count(), data)?;
-    check_options(topology, options)?;
-    let space = Space::assemble(topology)?;
+    check_options(mesh.topology(), options)?;
+    fit_checked(&Space::assemble(mesh)?, data, options, observer)
+}
+
+/// Returns the least-squares mesh of vertex data in a space that is there already.
+///
+/// As [`fit`], but what the connectivity alone decides is shared with all other fits in this space.
+///
+/// # Reference
+/// [Sorkine2004]; [Hou2017] Eq. (14), Eq. (15), §8.1. Deviation: as for [`fit`].
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_in(
+    space: &Space,
+    data: VertexData<'_>,
+    options: &Options,
+    observer: &mut Observer<'_>,
+) -> Result<Fit, FitError> {
+    check_data(space.size(), data)?;
+    check_options(space.mesh().topology(), options)?;
+    fit_checked(space, data, options, observer)
+}
+
+fn fit_checked(
+    space: &Space,
+    data: VertexData<'_>,
+    options: &Options,
+    observer: &mut Observer<'_>,
+) -> Result<Fit, FitError> {
     let (controls, mut report) = match &options.controls {
         ControlChoice::Given(controls) => (controls.clone(), Report::of(Outcome::Converged, 0)),
-        ControlChoice::Selected { count } => {
-            select(topology, &space, data, *count, options, observer)?
-        }
+        ControlChoice::Selected { count } => select(space, data, *count, options, observer)?,
     };
     if observer(&Progress::new("fit", 0, 1)).is_break() {
         report.outcome = Outcome::Stopped;
@@ -82,7 +107,7 @@ pub fn fit(
         .flat_map(|start| data.values[start..start + dimension].iter().copied())
         .collect();
     let (values, residual) = solve_controls(
-        &space,
+        space,
         options.constraints,
         dimension,
         &controls,
@@ -90,7 +115,7 @@ pub fn fit(
     )?;
     report.finish(residual);
     let spline = LsMesh::from_solved(
-        mesh.clone(),
+        space.mesh().clone(),
         options.constraints,
         dimension,
         controls,
@@ -126,7 +151,6 @@ impl Report {
 
 /// Returns `count` controls, or as many as the observer waited for, and the solves made.
 fn select(
-    topology: &Topology,
     space: &Space,
     data: VertexData<'_>,
     count: usize,
@@ -134,7 +158,7 @@ fn select(
     observer: &mut Observer<'_>,
 ) -> Result<(Vec<u32>, Report), FitError> {
     let frame = Frame::measure(data)?;
-    let (labels, components) = topology.components();
+    let (labels, components) = space.mesh().topology().components();
     let values = frame.normalise(data);
     let start = component_means(values.as_ref(), &labels, components);
     let mut system = System::new(space, options.constraints, values, start);

@@ -37,6 +37,7 @@ mod system;
 mod tests;
 
 pub use error::FitError;
-pub use fit::{Fit, Report, fit};
+pub use fit::{Fit, Report, fit, fit_in};
 pub use options::{Constraints, ControlChoice, Options, Selection};
+pub use space::Space;
 pub use spline::LsMesh;

@@ -6,16 +6,20 @@
 
 use std::collections::VecDeque;
 
-use msplines_common::linalg::{Mat, MatRef, Ordering, OrderingError, SymmetricMatrix};
-use msplines_common::mesh::Topology;
+use msplines_common::linalg::{Mat, MatRef, Ordering, SymmetricMatrix};
+use msplines_common::mesh::TriangleMesh;
 use rayon::prelude::*;
+
+use crate::error::FitError;
 
 /// Rows that one task computes: a fixed number, so that results do not depend on threads.
 const ROWS_PER_TASK: usize = 8192;
 
-/// What the connectivity of a mesh alone decides.
+/// What the connectivity of a mesh alone decides, and all least-squares meshes on it share: the
+/// graph Laplacian and an elimination order. Their factors differ, as the controls are in the matrix.
 #[derive(Clone, Debug)]
-pub(crate) struct Space {
+pub struct Space {
+    mesh: TriangleMesh,
     starts: Vec<usize>,
     neighbours: Vec<u32>,
     /// `Lᵀ L`.
@@ -25,7 +29,12 @@ pub(crate) struct Space {
 }
 
 impl Space {
-    pub(crate) fn assemble(topology: &Topology) -> Result<Self, OrderingError> {
+    /// Assembles the graph Laplacian of a mesh and orders it.
+    ///
+    /// # Errors
+    /// A mesh too large to be ordered.
+    pub fn assemble(mesh: &TriangleMesh) -> Result<Self, FitError> {
+        let topology = mesh.topology();
         let mut starts = vec![0];
         let mut neighbours = Vec::with_capacity(2 * topology.edge_count());
         for vertex in 0..topology.vertex_count() as u32 {
@@ -35,11 +44,18 @@ impl Space {
         let normal = normal_matrix(&starts, &neighbours);
         let ordering = Ordering::nested_dissection(&normal)?;
         Ok(Self {
+            mesh: mesh.clone(),
             starts,
             neighbours,
             normal,
             ordering,
         })
+    }
+
+    /// Returns the mesh.
+    #[must_use]
+    pub fn mesh(&self) -> &TriangleMesh {
+        &self.mesh
     }
 
     pub(crate) fn size(&self) -> usize {

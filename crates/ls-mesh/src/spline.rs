@@ -36,25 +36,39 @@ impl LsMesh {
     /// # Errors
     /// Controls, values or a weight that do not fit the mesh.
     pub fn from_parts(
-        mesh: TriangleMesh,
+        mesh: &TriangleMesh,
         constraints: Constraints,
         dimension: usize,
         controls: Vec<u32>,
         control_values: Vec<f64>,
     ) -> Result<Self, FitError> {
+        let space = Space::assemble(mesh)?;
+        Self::from_parts_in(&space, constraints, dimension, controls, control_values)
+    }
+
+    /// Returns the surface of stored controls in a space that is there already, for the price of one
+    /// factorisation: controls are in the matrix, so that no two sets of them share one.
+    ///
+    /// # Reference
+    /// [Hou2017] Eq. (15), §8.1.
+    ///
+    /// # Errors
+    /// As [`Self::from_parts`].
+    pub fn from_parts_in(
+        space: &Space,
+        constraints: Constraints,
+        dimension: usize,
+        controls: Vec<u32>,
+        control_values: Vec<f64>,
+    ) -> Result<Self, FitError> {
+        let mesh = space.mesh();
         check_controls(mesh.topology(), &controls)?;
         check_constraints(constraints)?;
-        check_data(
-            controls.len(),
-            VertexData {
-                dimension,
-                values: &control_values,
-            },
-        )?;
-        let space = Space::assemble(mesh.topology())?;
-        let values = solve_controls(&space, constraints, dimension, &controls, &control_values)?.0;
+        let values = &control_values;
+        check_data(controls.len(), VertexData { dimension, values })?;
+        let values = solve_controls(space, constraints, dimension, &controls, &control_values)?.0;
         Ok(Self {
-            mesh,
+            mesh: mesh.clone(),
             constraints,
             dimension,
             controls,

@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 use crate::space::Space;
 use crate::system::System;
-use crate::{Constraints, ControlChoice, FitError, LsMesh, Options, Selection, fit};
+use crate::{Constraints, ControlChoice, FitError, LsMesh, Options, Selection, fit, fit_in};
 
 /// Two backward-stable solutions of systems of condition below 1e5.
 const SOLVE_TOLERANCE: f64 = 1e-10;
@@ -278,7 +278,7 @@ fn selected_controls_beat_as_many_in_a_row() {
 #[test]
 fn stale_factors_lead_to_the_solution_from_scratch() {
     let mesh = torus(40, 24);
-    let space = Space::assemble(mesh.topology()).unwrap();
+    let space = Space::assemble(&mesh).unwrap();
     let data = Mat::from_fn(mesh.vertex_count(), 3, |v, side| mesh.positions()[v][side]);
     for constraints in [SOFT, Constraints::Hard] {
         let start = Mat::zeros(mesh.vertex_count(), 3);
@@ -299,7 +299,7 @@ fn stale_factors_lead_to_the_solution_from_scratch() {
 #[test]
 fn a_rough_solve_with_a_stale_factor_comes_nearer() {
     let mesh = torus(40, 24);
-    let space = Space::assemble(mesh.topology()).unwrap();
+    let space = Space::assemble(&mesh).unwrap();
     let data = Mat::from_fn(mesh.vertex_count(), 3, |v, side| mesh.positions()[v][side]);
     for constraints in [SOFT, Constraints::Hard] {
         let start = Mat::zeros(mesh.vertex_count(), 3);
@@ -331,8 +331,27 @@ fn stored_controls_give_the_same_bits() {
             &selected(31, Selection::Combined { solves: 4 }, constraints),
         );
         let (controls, values) = (spline.controls().to_vec(), spline.control_values().to_vec());
-        let stored = LsMesh::from_parts(mesh.clone(), constraints, 3, controls, values).unwrap();
+        let stored = LsMesh::from_parts(&mesh, constraints, 3, controls, values).unwrap();
         assert_eq!(stored.vertex_values(), spline.vertex_values());
+    }
+}
+
+#[test]
+fn a_shared_space_gives_the_same_bits_fit_after_fit() {
+    let mesh = torus(20, 12);
+    let space = Space::assemble(&mesh).unwrap();
+    let options = selected(31, Selection::Combined { solves: 4 }, SOFT);
+    let first = coordinates(&mesh);
+    let second: Vec<f64> = first.iter().map(|x| x.sin()).collect();
+    for data in [&first, &second, &first] {
+        let alone = fit(&mesh, positions(data), &options, &mut unobserved()).unwrap();
+        let shared = fit_in(&space, positions(data), &options, &mut unobserved()).unwrap();
+        let (alone, shared) = (alone.spline, shared.spline);
+        assert_eq!(alone.controls(), shared.controls());
+        assert_eq!(alone.vertex_values(), shared.vertex_values());
+        let (controls, values) = (shared.controls().to_vec(), shared.control_values().to_vec());
+        let stored = LsMesh::from_parts_in(&space, SOFT, 3, controls, values).unwrap();
+        assert_eq!(stored.vertex_values(), shared.vertex_values());
     }
 }
 

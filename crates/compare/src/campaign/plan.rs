@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use super::{Campaign, RowResult};
-use crate::case::{Case, Input};
-use crate::experiment::{Ancestors, Row, ViewHint};
+use crate::animation::Animation;
+use crate::case::{Case, Input, Task};
+use crate::experiment::{Ancestors, Row, RowFrames, ViewHint};
 use crate::generated::GeneratedSurface;
 use crate::models::{Located, Manifest, Provenance};
 
@@ -69,7 +70,18 @@ pub(super) fn plan(
             Err(error) => return not(RowResult::Failed(error.to_string())),
         },
     };
-    match row.case(input, ancestors) {
+    let animation = row.over_time.as_ref();
+    let animation = animation.map(|asked| animation_of(row, asked, manifest, models));
+    let task = match animation {
+        None => None,
+        Some(Ok(task)) => Some(task),
+        Some(Err(result)) => return not(result),
+    };
+    let case = row.case(input, ancestors).map(|case| Case {
+        task: task.unwrap_or_else(|| case.task.clone()),
+        ..case
+    });
+    match case {
         Ok(case) => Plan {
             provenance,
             run: Ok(Planned {
@@ -80,4 +92,27 @@ pub(super) fn plan(
         },
         Err(error) => not(RowResult::Failed(error.to_string())),
     }
+}
+
+/// Returns the task of a row about an animation, or why it cannot run.
+fn animation_of(
+    row: &Row,
+    asked: &RowFrames,
+    manifest: &Manifest,
+    models: &Path,
+) -> Result<Task, RowResult> {
+    let name = asked.animation.as_str();
+    if name == Animation::TWIST_AND_WAVE {
+        return Ok(Task::Frames(asked.of(Animation::TwistAndWave)));
+    }
+    let failed = |problem: String| RowResult::Failed(format!("animation {name}: {problem}"));
+    let Some(animation) = manifest.animation(name) else {
+        return Err(failed("not in data/models.toml".to_owned()));
+    };
+    if row.model.as_ref() != Some(&animation.rest) {
+        let rest = &animation.rest;
+        return Err(failed(format!("it moves {rest}; give that as `model`")));
+    }
+    let located = animation.locate(models).map_err(RowResult::NotRun)?;
+    Ok(Task::Frames(asked.of(located)))
 }

@@ -33,6 +33,8 @@ pub struct Panel {
     pub row: String,
     /// What is shown of it.
     pub show: Show,
+    /// Which frame of a row about an animation; its last shown one where absent.
+    pub frame: Option<usize>,
     /// The attribute of its stored surface that is shown; only with [`Show::Field`].
     pub field: Option<String>,
     /// What that attribute looks like, [`FieldColours::Sequential`] where absent; only with

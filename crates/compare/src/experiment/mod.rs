@@ -2,6 +2,7 @@
 
 mod column;
 mod figure;
+mod over_time;
 mod property;
 mod row;
 
@@ -17,6 +18,7 @@ pub use figure::{
     Axis, Callout, Corner, Edges, FieldColours, FieldScale, Figure, Panel, Plot, Show, UpAxis,
     ViewHint,
 };
+pub use over_time::RowFrames;
 pub use property::{Measured, Property, splines};
 pub use row::{Ancestors, MethodName, Printed, Recorded, Row, RowData};
 
@@ -227,7 +229,7 @@ impl Experiment {
         if row.model.is_some() == row.surface.is_some() {
             return Some("give either `model` or `surface`".to_owned());
         }
-        if let Some(problem) = row.knots_problem() {
+        if let Some(problem) = row.knots_problem().or_else(|| row.frames_problem()) {
             return Some(problem);
         }
         if let Some(Err(error)) = row.surface.as_ref().map(|s| s.parse::<GeneratedSurface>()) {
@@ -275,7 +277,9 @@ impl Experiment {
             panels.map(|(at, panel)| (&figure.id, at, panel))
         });
         panels.find_map(|(id, at, panel)| {
-            let problem = panel.problem()?;
+            let row = self.rows.iter().find(|row| row.id == panel.row);
+            let of_frames = row.and_then(|row| over_time::panel_problem(panel, row));
+            let problem = panel.problem().map(str::to_owned).or(of_frames)?;
             let place = format!("panel {} (row `{}`)", at + 1, panel.row);
             Some((id.clone(), format!("{place}: {problem}")))
         })

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use super::RowFrames;
 use crate::case::{
     Amount, AmountError, Case, CaseCreases, Data, Input, Knots, Method, Task, Weights,
 };
@@ -32,6 +33,8 @@ pub struct Row {
     /// What is fitted.
     #[serde(default)]
     pub data: RowData,
+    /// Frames of an animation, in place of one surface.
+    pub over_time: Option<RowFrames>,
     /// How knots are chosen; the method's default where absent.
     pub selection: Option<msplines_biharmonic::Selection>,
     /// Degrees beyond which edges are creases; none where absent.

@@ -1,8 +1,10 @@
 //! One run: read, fit, evaluate what is stored, measure it, write it, and record it all.
 
 mod edits;
+mod frames;
 mod layers;
 mod properties;
+mod shared_space;
 mod sums;
 
 use std::collections::BTreeMap;
@@ -21,9 +23,10 @@ use crate::input::{FitData, LoadedInput, fit_data, load, load_domain};
 use crate::measure::{self, Measured};
 use crate::output::{check_outputs, write_outputs};
 use crate::record::{RUN_SCHEMA, Record, Tool};
-pub use edits::Shift;
-
 use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
+
+pub use edits::Shift;
+pub use frames::ShownFrame;
 
 /// What a run gives.
 #[derive(Clone, Debug)]
@@ -40,6 +43,8 @@ pub struct RunOutput {
     pub names: Vec<String>,
     /// Further numbers at the vertices of the mesh, for pictures.
     pub fields: Vec<VertexAttribute>,
+    /// Frames of an animation that pictures show; the spline and its values are those of the last.
+    pub frames: Vec<ShownFrame>,
 }
 
 /// Runs a case and writes its outputs.
@@ -60,6 +65,9 @@ pub fn run(
     let mut input = load(&case.input, &mut clock)?;
     if case.double_cover {
         input = input.double_cover()?;
+    }
+    if let Some(over_time) = frames::asked(case, &input)? {
+        return frames::run(case, &over_time, &input, &mut clock, observer);
     }
     let data = fit_data(&case.data, &input)?;
     enter("domain", &mut clock, observer);
@@ -110,6 +118,7 @@ pub fn run(
         values,
         names: data.names,
         fields: produced.fields,
+        frames: Vec::new(),
     })
 }
 
@@ -129,6 +138,7 @@ fn produce(
         }
         Task::Edit(edit) => edits::edit(case, input, data, edit, clock, observer),
         Task::Properties => properties::measure(case, input, data, clock, observer),
+        Task::Frames(_) => unreachable!("frames have a run of their own"),
     }
 }
 
@@ -228,8 +238,10 @@ pub fn evaluate(
     check_finite(&values, dimension)?;
     enter("measure", &mut clock, observer);
     let names = component_names(&spline.options, dimension);
+    // Neither a frame of an animation nor a changed spline is a fit of its domain.
+    let is_frame = spline.options.get("frame").is_some();
     let is_changed = evaluation.sum.is_some() || !evaluation.shifts.is_empty();
-    let measured = if names[0] == "x" && !is_changed {
+    let measured = if names[0] == "x" && !is_frame && !is_changed {
         let data = fit_data(&Data::Positions, &input)?;
         measure::against_data(&input, &data, &values, &Data::Positions)
     } else {
@@ -257,6 +269,7 @@ pub fn evaluate(
         values,
         names,
         fields: Vec::new(),
+        frames: Vec::new(),
     })
 }
 

@@ -64,14 +64,30 @@ impl StoredBiharmonic {
     /// Numbers that do not fit each other or the mesh.
     pub fn restore(&self, mesh: &TriangleMesh) -> Result<BiharmonicSpline, SplineFileError> {
         self.check(mesh.vertex_count() + self.added_points.len())?;
+        self.restore_in(&Arc::new(self.space(mesh)?))
+    }
+
+    fn space(&self, mesh: &TriangleMesh) -> Result<Space, SplineFileError> {
         let domain = Arc::new(mesh.clone());
         let (points, laplacian) = (&self.added_points, self.laplacian);
         // Pieces of creases are edges of the split mesh only.
-        let space = if points.is_empty() {
+        Ok(if points.is_empty() {
             Space::with_creases(domain, laplacian, Creases::along(mesh, &self.creases)?)?
         } else {
             Space::split_at(domain, points, laplacian, &self.creases)?
-        };
+        })
+    }
+
+    /// Returns the spline in the space that it was fitted in: what that has factored is not factored
+    /// again.
+    ///
+    /// # Errors
+    /// Numbers that do not fit each other or the space.
+    pub(crate) fn restore_in(
+        &self,
+        space: &Arc<Space>,
+    ) -> Result<BiharmonicSpline, SplineFileError> {
+        self.check(space.mesh().vertex_count())?;
         let form = match (&self.coefficients, &self.constant, &self.knot_values) {
             (Some(coefficients), Some(constant), None) => Form::Implicit {
                 coefficients: coefficients.clone(),
@@ -80,13 +96,13 @@ impl StoredBiharmonic {
             (None, None, Some(values)) => Form::KnotValues(values.clone()),
             _ => return Err(SplineFileError::Numbers),
         };
-        let spline = BiharmonicSpline::from_parts(
-            &Arc::new(space),
+        let knots = self.knots.clone();
+        Ok(BiharmonicSpline::from_parts(
+            space,
             self.dimension,
-            self.knots.clone(),
+            knots,
             form,
-        )?;
-        Ok(spline)
+        )?)
     }
 
     fn check(&self, vertices: usize) -> Result<(), SplineFileError> {

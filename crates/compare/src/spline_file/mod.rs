@@ -189,7 +189,7 @@ impl StoredSpline {
             } => {
                 check_lengths(controls, *dimension, control_values, mesh.vertex_count())?;
                 let spline = LsMesh::from_parts(
-                    mesh.clone(),
+                    mesh,
                     *constraints,
                     *dimension,
                     controls.clone(),

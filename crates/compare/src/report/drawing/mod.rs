@@ -1,6 +1,7 @@
 //! The pictures of a report: figures of surfaces from the files of its rows, and plots of its
 //! quantities.
 
+mod frames;
 mod panel;
 mod plots;
 mod scales;
@@ -146,22 +147,39 @@ pub fn draw(report: &Report, options: DrawingOptions) -> Drawings {
     }
 }
 
+/// A row, and a frame of it where a panel names one.
+type SourceKey = (String, Option<usize>);
+
+fn key(panel: &Panel) -> SourceKey {
+    (panel.row.clone(), panel.frame)
+}
+
+/// Returns what the panels of a figure are drawn from, each loaded once.
+fn sources(
+    item: &ItemReport,
+    figure: &Figure,
+    domains: &Domains,
+) -> BTreeMap<SourceKey, Result<Source, String>> {
+    let mut keys: Vec<SourceKey> = figure.panels.iter().map(key).collect();
+    keys.sort_unstable();
+    keys.dedup();
+    let loaded = keys.into_par_iter().filter_map(|key| {
+        let source = source_of(item.row(&key.0)?, key.1, domains);
+        Some((key, source))
+    });
+    loaded.collect()
+}
+
 fn draw_figure(
     item: &ItemReport,
     figure: &Figure,
     domains: &Domains,
     options: DrawingOptions,
 ) -> DrawnFigure {
-    let mut ids: Vec<&str> = figure.panels.iter().map(|p| p.row.as_str()).collect();
-    ids.sort_unstable();
-    ids.dedup();
-    let sources: BTreeMap<&str, Result<Source, String>> = ids
-        .into_par_iter()
-        .filter_map(|id| Some((id, source_of(item.row(id)?, domains))))
-        .collect();
+    let sources = sources(item, figure, domains);
     let panels = figure.panels.iter();
     let subjects: Vec<Result<Subject<'_>, String>> = panels
-        .map(|panel| match sources.get(panel.row.as_str()) {
+        .map(|panel| match sources.get(&key(panel)) {
             Some(Ok(source)) => Subject::of(panel, source),
             Some(Err(why)) => Err(why.clone()),
             None => Err(format!("no row {}", panel.row)),
@@ -225,7 +243,8 @@ fn draw_panel(
     drawn.height = picture.image.height();
     drawn.picture = Some(png_address(&picture.image));
     drawn.payload = picture.payload;
-    drawn.measure = measure(item, panel);
+    let source = subject.as_ref().ok().map(|subject| subject.source);
+    drawn.measure = measure(item, panel, source);
     let beside = scales.beside(at);
     drawn.bar = beside.and_then(|scale| scale.bar());
     let whole = beside.and_then(|scale| scale.beside(&picture.image));
@@ -251,9 +270,13 @@ fn sheet(panels: &[DrawnPanel], images: &[Option<Image>], columns: usize) -> Opt
     grid.compose(&panels).ok()
 }
 
-fn source_of(report: &RowReport, domains: &Domains) -> Result<Source, String> {
+fn source_of(
+    report: &RowReport,
+    frame: Option<usize>,
+    domains: &Domains,
+) -> Result<Source, String> {
     match &report.result {
-        RowResult::Done(_) => Source::load(report, domains),
+        RowResult::Done(_) => Source::load(report, frame, domains),
         RowResult::NotRun(why) => Err(format!("not run: {why}")),
         RowResult::Failed(why) => Err(format!("failed: {why}")),
     }
@@ -265,11 +288,16 @@ fn label(item: &ItemReport, panel: &Panel) -> String {
 }
 
 /// Returns the number behind a picture of a spline.
-fn measure(item: &ItemReport, panel: &Panel) -> String {
-    let error = item
+fn measure(item: &ItemReport, panel: &Panel, source: Option<&Source>) -> String {
+    let row = item
         .row(&panel.row)
-        .filter(|_| matches!(panel.show, Show::Error | Show::Spline))
-        .map(super::error_quantity);
+        .filter(|_| matches!(panel.show, Show::Error | Show::Spline));
+    let of_frame = row.filter(|row| row.row.over_time.is_some());
+    if let (Some(_), Some(Ok(fitted))) = (of_frame, source.map(|source| &source.fitted)) {
+        // The figures of the row are those of all frames.
+        return format!("mean error {}", Unit::Fraction.show(fitted.mean_error()));
+    }
+    let error = row.map(super::error_quantity);
     let Some((unit, ours)) = error.and_then(|quantity| Some((quantity.unit, quantity.ours?)))
     else {
         return String::new();

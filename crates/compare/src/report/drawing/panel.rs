@@ -40,6 +40,8 @@ pub(super) struct Picture {
 /// What a panel shows, ready to be drawn.
 struct Stage<'a> {
     mesh: &'a TriangleMesh,
+    /// The surface that the camera is turned to.
+    framed: &'a TriangleMesh,
     /// The mesh cut along the borders of its cells, where those are painted.
     cells: Option<&'a SplitFaces>,
     paint: Paint<'a>,
@@ -65,13 +67,22 @@ pub(super) fn draw(
     let mesh = match (panel.show, &fitted) {
         (_, Some(fitted)) => fitted,
         (Show::Spline | Show::Field, None) => &source.spline,
-        (Show::Input | Show::Knots | Show::Error, None) => source.input(),
+        (Show::Input | Show::Knots | Show::Error, None) => framed(panel, source),
     };
     let stage = stage(panel, subject, mesh, scale);
     let image = still(&stage, panel, options.pixels).map_err(|e| e.to_string())?;
     let payload =
         (options.views == Views::Turnable).then(|| turnable(&stage, source, options.pixels));
     Ok(Picture { image, payload })
+}
+
+/// Returns the surface beside which a panel shows a spline; knots are known by their places on the
+/// domain.
+fn framed<'a>(panel: &Panel, source: &'a Source) -> &'a TriangleMesh {
+    match panel.show {
+        Show::Knots => source.input(),
+        Show::Input | Show::Spline | Show::Error | Show::Field => source.original(),
+    }
 }
 
 /// Returns the input mesh with its vertices moved to the spline.
@@ -104,6 +115,7 @@ fn stage<'a>(
     let [thinnest, thickest] = EDGE_WIDTHS;
     Stage {
         mesh,
+        framed: framed(panel, source),
         cells: match &subject.values {
             Values::Cells { split, .. } => Some(split),
             _ => None,
@@ -125,7 +137,7 @@ fn stage<'a>(
             &[]
         },
         // All pictures of a row are seen by the same camera.
-        camera: Camera::framing(source.input().positions(), &view(panel, source)),
+        camera: Camera::framing(framed(panel, source).positions(), &view(panel, source)),
     }
 }
 
@@ -251,7 +263,7 @@ fn turnable(stage: &Stage<'_>, source: &Source, pixels: usize) -> String {
     };
     let knots: Vec<[f64; 3]> = stage.knots.iter().map(array).collect();
     let camera = stage.camera;
-    let [low, high] = source.input().bounding_box();
+    let [low, high] = stage.framed.bounding_box();
     let target = camera.target(&(low + (high - low) * 0.5));
     let distance = (target - camera.eye()).norm();
     let pixel = 2.0 * distance * (camera.field_of_view() / 2.0).tan() / pixels as f64;

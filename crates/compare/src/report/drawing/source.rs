@@ -8,6 +8,7 @@ use msplines_common::mesh::{Decimated, TriangleMesh, VertexAttribute, decimate, 
 use msplines_io::read_points;
 use msplines_picture::{Rgb, edges};
 
+use super::frames;
 use crate::campaign::{RowReport, Sources};
 use crate::case::{Data, Input};
 use crate::clock::PhaseClock;
@@ -65,6 +66,8 @@ impl Domain {
 pub(super) struct Source {
     /// The domain.
     pub(super) domain: Arc<Domain>,
+    /// The surface that was fitted, where that is a frame of an animation of the domain.
+    frame: Option<TriangleMesh>,
     /// The stored surface: the spline where it was evaluated, or the domain where the data are no
     /// positions.
     pub(super) spline: TriangleMesh,
@@ -90,15 +93,30 @@ pub(super) struct Fitted {
 
 impl Source {
     /// Loads the files of a row that ran, or says why they cannot be used.
-    pub(super) fn load(report: &RowReport, domains: &Domains) -> Result<Self, String> {
+    pub(super) fn load(
+        report: &RowReport,
+        frame: Option<usize>,
+        domains: &Domains,
+    ) -> Result<Self, String> {
         let sources = report.sources.as_ref().ok_or_else(missing)?;
         let Sources { input, files, view } = sources;
         let domain = domains.load(input)?;
-        let (spline, attributes) =
-            read_surface(&files.join(ROW_SURFACE)).map_err(|e| e.to_string())?;
+        let (frame, spline, attributes) =
+            match frames::load(report, frame, files, &domain.loaded.mesh)? {
+                Some([original, spline]) => (Some(original), spline, Vec::new()),
+                None => {
+                    let surface = read_surface(&files.join(ROW_SURFACE));
+                    let (spline, attributes) = surface.map_err(|e| e.to_string())?;
+                    (None, spline, attributes)
+                }
+            };
         let knots = read_points(&files.join(ROW_KNOTS)).map_err(|e| e.to_string())?;
         Ok(Self {
-            fitted: Fitted::of(report.row.data, &domain.loaded, &spline, &attributes),
+            fitted: match &frame {
+                Some(original) => Ok(Fitted::of_frame(original, &spline, &domain.loaded)),
+                None => Fitted::of(report.row.data, &domain.loaded, &spline, &attributes),
+            },
+            frame,
             spline,
             attributes,
             knots,
@@ -125,6 +143,11 @@ impl Source {
     /// Returns the domain mesh.
     pub(super) fn input(&self) -> &TriangleMesh {
         &self.domain.loaded.mesh
+    }
+
+    /// Returns the surface that was fitted: the domain, or a frame of its animation.
+    pub(super) fn original(&self) -> &TriangleMesh {
+        self.frame.as_ref().unwrap_or(self.input())
     }
 
     /// Returns how many pieces of an edge of the domain lie on the spline.
@@ -169,6 +192,21 @@ impl Fitted {
             colours: (data == RowData::ColourPattern)
                 .then(|| [colours(&fitted.values), colours(&values)]),
         })
+    }
+
+    fn of_frame(original: &TriangleMesh, spline: &TriangleMesh, input: &LoadedInput) -> Self {
+        let pairs = original.positions().iter().zip(spline.positions());
+        // One scale for all frames.
+        let scale = input.mesh.diagonal();
+        Self {
+            errors: pairs.map(|(a, b)| (a - b).norm() / scale).collect(),
+            colours: None,
+        }
+    }
+
+    /// Returns the mean of the errors.
+    pub(super) fn mean_error(&self) -> f64 {
+        self.errors.iter().sum::<f64>() / self.errors.len().max(1) as f64
     }
 
     /// Returns the error below which the share `share` of the vertices lies.
