@@ -82,13 +82,8 @@ pub fn run(
     let mut checks = produced.checks;
     let (mesh, values) = (produced.mesh, produced.values);
     if let Some(path) = &case.reference {
-        checks.extend(measure::to_reference(
-            path,
-            &input.mesh,
-            &mesh,
-            &values,
-            case.seed,
-        )?);
+        let found = measure::to_reference(path, &input.mesh, &mesh, &values, case.seed)?;
+        checks.extend(found);
     }
     let options = options(case, &produced.options);
     let spline = SplineFile::new(domain(case, &input), options, produced.stored);
