@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use msplines_biharmonic::DecomposeError;
+use msplines_biharmonic::{CombineError, DecomposeError, FitError};
 use msplines_common::evaluate::EvaluateError;
 use msplines_common::mesh::TopologyError;
 
@@ -80,7 +80,7 @@ pub enum RunError {
     Decompose(#[from] DecomposeError),
     /// Splines that cannot be combined.
     #[error("biharmonic: {0}")]
-    Combine(#[from] msplines_biharmonic::CombineError),
+    Combine(#[from] CombineError),
     /// Knots that cannot be put in or taken out.
     #[error("biharmonic: {0}")]
     Knots(#[from] msplines_biharmonic::KnotError),
@@ -124,7 +124,7 @@ pub enum RunError {
     },
     /// The biharmonic fit failed.
     #[error("biharmonic: {0}")]
-    Biharmonic(#[from] msplines_biharmonic::FitError),
+    Biharmonic(#[from] FitError),
     /// The least-squares mesh failed.
     #[error("ls-mesh: {0}")]
     LsMesh(#[from] msplines_ls_mesh::FitError),
@@ -160,12 +160,24 @@ impl RunError {
             | Self::NoSuchAttribute { .. } => exit::INPUT,
             Self::Spline(error) => error.exit_code(),
             Self::Task { .. }
+            | Self::Biharmonic(FitError::CreaseAngle { .. } | FitError::WeightsWithL1)
+            | Self::Combine(CombineError::Factor { .. })
             | Self::Decompose(DecomposeError::Factors { .. } | DecomposeError::Factor { .. }) => {
                 exit::USAGE
             }
+            Self::Biharmonic(
+                FitError::NoSuchCrease { .. }
+                | FitError::WeightCount { .. }
+                | FitError::Weight { .. }
+                | FitError::TooFewWeights { .. }
+                | FitError::DataLength { .. }
+                | FitError::DataNotFinite { .. }
+                | FitError::CoincidentKnots { .. }
+                | FitError::Points(_),
+            )
+            | Self::Combine(_) => exit::INPUT,
             Self::Biharmonic(_)
             | Self::Decompose(_)
-            | Self::Combine(_)
             | Self::Knots(_)
             | Self::Explicit(_)
             | Self::Evaluate(_)
@@ -258,7 +270,7 @@ pub enum SplineFileError {
     Numbers,
     /// The domain carries no spline of this kind.
     #[error("biharmonic: {0}; the spline file is damaged or belongs to another mesh")]
-    Space(#[from] msplines_biharmonic::FitError),
+    Space(#[from] FitError),
     /// A least-squares mesh between its vertices.
     #[error("a least-squares mesh is defined at the vertices only; leave out --subdivide")]
     VerticesOnly,

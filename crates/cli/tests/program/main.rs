@@ -1,5 +1,6 @@
 //! The program as a person runs it: exit codes, messages and files.
 
+mod biharmonic;
 mod exit_codes;
 mod files;
 mod hostile;
