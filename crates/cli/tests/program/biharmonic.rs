@@ -145,7 +145,7 @@ fn a_cube_with_its_features_is_a_cube_again() {
 #[test]
 fn knots_inside_faces_are_stored_with_their_places() {
     let workbench = Workbench::new();
-    workbench.put("coarse.ply", &shapes::bumpy_sphere(162));
+    workbench.put("coarse.ply", &shapes::bumpy_sphere(252));
     let fit = "fit biharmonic mesh.ply --knots-from coarse.ply --inside-faces -o s.json -o o.ply";
     workbench.expect(0, fit);
     let spline = workbench.json("s.json");
