@@ -11,7 +11,7 @@ use std::sync::Arc;
 use msplines_common::evaluate::EvaluateError;
 use msplines_common::linalg::Mat;
 
-use crate::fit::{FIT_EXCESS, FIT_ITERATIONS};
+use crate::fit::{FIT_EXCESS, FIT_ITERATIONS, ascending};
 use crate::knot_values::KnotValues;
 use crate::select::probe_scale;
 use crate::space::Difference;
@@ -81,22 +81,6 @@ pub enum CombineError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KnotError {
-    /// A vertex that does not exist.
-    #[error("knot {index} is vertex {vertex}, but the mesh has {vertices} vertices")]
-    NoSuchVertex {
-        /// Index into the given knots.
-        index: usize,
-        /// The vertex.
-        vertex: u32,
-        /// Vertices of the mesh.
-        vertices: usize,
-    },
-    /// A knot named twice.
-    #[error("vertex {vertex} is named more than once; name each knot once")]
-    Repeated {
-        /// The vertex.
-        vertex: u32,
-    },
     /// A knot to be inserted is there already.
     #[error("vertex {vertex} is a knot already; insert other vertices")]
     AlreadyThere {
@@ -115,7 +99,7 @@ pub enum KnotError {
         /// Knots of the spline.
         knots: usize,
     },
-    /// The remaining knots cannot be fitted.
+    /// Vertices that do not exist or are named twice, or remaining knots that cannot be fitted.
     #[error(transparent)]
     Fit(#[from] FitError),
     /// The spline cannot be evaluated.
@@ -165,26 +149,8 @@ pub fn combine(terms: &[(&BiharmonicSpline, f64)]) -> Result<BiharmonicSpline, C
     let mut sums = vec![0.0; knots.len() * dimension];
     let mut sum = vec![0.0; dimension];
     for &(spline, factor) in terms {
-        if let Form::Implicit {
-            coefficients,
-            constant,
-        } = spline.form()
-        {
-            for (knot, values) in spline
-                .knots()
-                .iter()
-                .zip(coefficients.chunks(dimension.max(1)))
-            {
-                if let Ok(at) = knots.binary_search(knot) {
-                    add(
-                        &mut sums[at * dimension..(at + 1) * dimension],
-                        values,
-                        factor,
-                    );
-                }
-            }
-            add(&mut sum, constant, factor);
-        }
+        add(&mut sums, &spline.coefficients_at(&knots), factor);
+        add(&mut sum, &spline.offset(), factor);
     }
     let form = Form::Implicit {
         coefficients: sums,
@@ -238,7 +204,7 @@ impl BiharmonicSpline {
     /// # Errors
     /// Vertices that do not exist, are named twice, or are knots already.
     pub fn insert_knots(&self, inserted: &[u32]) -> Result<Self, KnotError> {
-        let new = self.checked(inserted)?;
+        let new = ascending(self.space().mesh().vertex_count(), inserted)?;
         if let Some(&vertex) = new.iter().find(|v| self.knots().binary_search(v).is_ok()) {
             return Err(KnotError::AlreadyThere { vertex });
         }
@@ -267,7 +233,7 @@ impl BiharmonicSpline {
     /// # Errors
     /// Knots that are none or are named twice, or no knots left.
     pub fn remove_knots(&self, removed: &[u32]) -> Result<Removal, KnotError> {
-        let old = self.checked(removed)?;
+        let old = ascending(self.space().mesh().vertex_count(), removed)?;
         if let Some(&vertex) = old.iter().find(|v| self.knots().binary_search(v).is_err()) {
             return Err(KnotError::NotThere { vertex });
         }
@@ -336,23 +302,5 @@ impl BiharmonicSpline {
             constant,
         };
         Self::of_form(Arc::clone(self.space()), self.dimension(), knots, form)
-    }
-
-    /// Returns vertices in ascending order, if they exist and none is named twice.
-    fn checked(&self, vertices: &[u32]) -> Result<Vec<u32>, KnotError> {
-        let count = self.space().mesh().vertex_count();
-        if let Some(index) = vertices.iter().position(|&v| v as usize >= count) {
-            return Err(KnotError::NoSuchVertex {
-                index,
-                vertex: vertices[index],
-                vertices: count,
-            });
-        }
-        let mut sorted = vertices.to_vec();
-        sorted.sort_unstable();
-        match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(KnotError::Repeated { vertex: pair[0] }),
-            None => Ok(sorted),
-        }
     }
 }

@@ -42,8 +42,6 @@ pub struct Report {
     pub exchanges: [u32; 2],
     /// Rounds of the l1 selection.
     pub l1_rounds: u32,
-    /// Largest relative duality gap of one of them; above 1e-4 if it ran out of steps.
-    pub l1_gap: f64,
     /// Numbers of knots that cross-validation tried, from many to few, with their scores.
     pub cross_validation: Vec<Trial>,
     /// What the user should know.
@@ -119,17 +117,17 @@ fn fit_centred(
 ) -> Result<Fit, FitError> {
     let vertices = space.mesh().vertex_count();
     let given = checked_choice(vertices, &options.knots)?;
+    if target.counted() < given.count() {
+        return Err(FitError::TooFewWeights {
+            weighted: target.counted(),
+            knots: given.count(),
+        });
+    }
     if given.count() == vertices {
         let knots = (0..vertices as u32).collect();
         return Ok(Fit {
             spline: BiharmonicSpline::of_vertex_values(space, knots, &target.data, &target.mean),
             report: Report::direct(),
-        });
-    }
-    if target.counted() < given.count() {
-        return Err(FitError::TooFewWeights {
-            weighted: target.counted(),
-            knots: given.count(),
         });
     }
     space.bilaplacian()?;
@@ -140,7 +138,7 @@ fn fit_centred(
         Given::Points => return Err(FitError::PointsOutsideSpace),
         Given::CrossValidated => select_cross_validated(space, target, options, stopped, observer)?,
     };
-    let mut warnings = Vec::new();
+    let mut warnings = selected.warnings;
     let system = KnotValues::factor(space, selected.knots)?;
     let _ = observer(&Progress::new("fit", 0, 1));
     let scale = probe_scale(&system, target, options.seed);
@@ -168,7 +166,6 @@ fn fit_centred(
             eliminations: selected.eliminations,
             exchanges: selected.exchanges,
             l1_rounds: selected.l1_rounds,
-            l1_gap: selected.l1_gap,
             cross_validation: selected.cross_validation,
             warnings,
         },
@@ -195,7 +192,6 @@ impl Report {
             eliminations: 0,
             exchanges: [0, 0],
             l1_rounds: 0,
-            l1_gap: 0.0,
             cross_validation: Vec::new(),
             warnings: Vec::new(),
         }
@@ -240,9 +236,14 @@ fn checked_choice(vertices: usize, choice: &KnotChoice) -> Result<Given, FitErro
     }
 }
 
-/// Returns given knots in ascending order.
+/// Returns given knots, at least one, in ascending order.
 pub(crate) fn checked_knots(vertices: usize, knots: &[u32]) -> Result<Vec<u32>, FitError> {
     checked_count(vertices, knots.len())?;
+    ascending(vertices, knots)
+}
+
+/// Returns vertices in ascending order, if they exist and none is named twice.
+pub(crate) fn ascending(vertices: usize, knots: &[u32]) -> Result<Vec<u32>, FitError> {
     for (index, &vertex) in knots.iter().enumerate() {
         if vertex as usize >= vertices {
             return Err(FitError::NoSuchKnot {

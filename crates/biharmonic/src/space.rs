@@ -83,14 +83,8 @@ impl Space {
         creases: &Creases,
     ) -> Result<(Self, Vec<u32>), FitError> {
         let split = split_at(&domain, points)?;
-        let vertices = split.vertices.clone();
-        let pieces = split.edges(creases.edges());
-        let mesh = Arc::new(split.mesh.clone());
-        let creases = Creases::along(&mesh, &pieces)?;
-        Ok((
-            Self::on(domain, Some(split), mesh, laplacian, creases)?,
-            vertices,
-        ))
+        let (vertices, pieces) = (split.vertices.clone(), split.edges(creases.edges()));
+        Ok((Self::on_split(domain, split, laplacian, &pieces)?, vertices))
     }
 
     /// Builds the space again that had these [`Self::added_points`] and creases.
@@ -104,6 +98,15 @@ impl Space {
         creases: &[[u32; 2]],
     ) -> Result<Self, FitError> {
         let split = split_at(&domain, points)?;
+        Self::on_split(domain, split, laplacian, creases)
+    }
+
+    fn on_split(
+        domain: Arc<TriangleMesh>,
+        split: SplitMesh,
+        laplacian: Laplacian,
+        creases: &[[u32; 2]],
+    ) -> Result<Self, FitError> {
         let mesh = Arc::new(split.mesh.clone());
         let creases = Creases::along(&mesh, creases)?;
         Self::on(domain, Some(split), mesh, laplacian, creases)

@@ -1,6 +1,7 @@
 //! From a case to a fitted spline in its stored form, whatever the method.
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 use msplines_biharmonic as biharmonic;
 use msplines_common::evaluate::VertexData;
@@ -45,12 +46,7 @@ pub(crate) fn fit(
         dimension: data.dimension,
         values: &data.values,
     };
-    let mut timed = |progress: &Progress| {
-        if PHASES.contains(&progress.phase) {
-            clock.enter(progress.phase);
-        }
-        observer(progress)
-    };
+    let mut timed = following(&PHASES, clock, observer);
     match &case.method {
         Method::Biharmonic(method) => {
             let (options, weights) = biharmonic_options(method, case.seed, &input.mesh)?;
@@ -70,6 +66,20 @@ pub(crate) fn fit(
             let fit = ls_mesh::fit(&input.mesh, values, &options, &mut timed)?;
             Ok(Fitted::of_ls_mesh(fit, &options))
         }
+    }
+}
+
+/// Returns an observer that lets the clock follow some phases of a method.
+pub(crate) fn following<'a>(
+    phases: &'a [&str],
+    clock: &'a mut PhaseClock,
+    observer: &'a mut Observer<'_>,
+) -> impl FnMut(&Progress) -> ControlFlow<()> + 'a {
+    move |progress| {
+        if phases.contains(&progress.phase) {
+            clock.enter(progress.phase);
+        }
+        observer(progress)
     }
 }
 

@@ -62,8 +62,8 @@ pub enum Regression {
 pub struct Bound {
     /// Where it stands in the record, such as `error.max`.
     pub quantity: String,
-    /// The bound.
-    pub at_most: f64,
+    /// The bound, where there is one.
+    pub at_most: Option<f64>,
     /// The value, where the record has it.
     pub value: Option<f64>,
 }
@@ -72,7 +72,8 @@ impl Bound {
     /// Returns whether the value is there and not above the bound.
     #[must_use]
     pub fn holds(&self) -> bool {
-        self.value.is_some_and(|value| value <= self.at_most)
+        let within = |value: f64| self.at_most.is_none_or(|bound| value <= bound);
+        self.value.is_some_and(within)
     }
 
     /// Returns what is wrong, where the bound does not hold.
@@ -80,10 +81,10 @@ impl Bound {
         let value = self
             .value
             .map_or("missing".to_owned(), |value| format!("{value:e}"));
-        let Self {
-            quantity, at_most, ..
-        } = self;
-        (!self.holds()).then(|| format!("{quantity} is {value}, not at most {at_most:e}"))
+        let bound = self
+            .at_most
+            .map_or_else(String::new, |bound| format!(", not at most {bound:e}"));
+        (!self.holds()).then(|| format!("{} is {value}{bound}", self.quantity))
     }
 }
 
@@ -127,7 +128,7 @@ impl Judgement {
         let mut judgement = Self::of_error(row, provenance, record.error.as_ref());
         let bounds = row.at_most.iter().map(|(quantity, &at_most)| Bound {
             quantity: quantity.clone(),
-            at_most,
+            at_most: Some(at_most),
             value: record.number(quantity),
         });
         judgement.bounds = bounds.collect();

@@ -79,6 +79,16 @@ pub(super) struct L1Knots<'a> {
     pub(super) gap: f64,
 }
 
+impl L1Knots<'_> {
+    /// Returns what is to be said of a problem that was not solved as well as was asked.
+    pub(super) fn warning(&self) -> Option<String> {
+        let gap = self.gap;
+        (gap > GAP).then(|| {
+            format!("a problem of the l1 selection ran out of steps at a relative gap of {gap:.1e}")
+        })
+    }
+}
+
 /// Chooses `count` knots for `data`, at least one and fewer than there are vertices.
 ///
 /// A round solves one problem per component, each with some eight factorisations of `B²`: all in all

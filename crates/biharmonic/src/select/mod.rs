@@ -42,8 +42,8 @@ pub(crate) struct Selected {
     pub(crate) eliminations: u32,
     pub(crate) exchanges: [u32; 2],
     pub(crate) l1_rounds: u32,
-    /// Largest relative duality gap of an l1 round.
-    pub(crate) l1_gap: f64,
+    /// What the user should know.
+    pub(crate) warnings: Vec<String>,
     pub(crate) cross_validation: Vec<Trial>,
 }
 
@@ -61,7 +61,7 @@ impl Selected {
             eliminations: 0,
             exchanges: [0, 0],
             l1_rounds: 0,
-            l1_gap: 0.0,
+            warnings: Vec::new(),
             cross_validation: Vec::new(),
         }
     }
@@ -121,7 +121,7 @@ pub(crate) fn select(
 ) -> Result<Selected, FitError> {
     let plan = Plan::of(options.effort);
     let mut run = Run { observer, stopped };
-    let (mut eliminations, mut l1_rounds, mut gap) = (0, 0, 0.0);
+    let (mut eliminations, mut l1_rounds, mut warnings) = (0, 0, Vec::new());
     let mut state = match options.selection {
         Selection::Exchange => {
             let wanted = (count as f64 * plan.candidates).ceil() as usize;
@@ -135,7 +135,7 @@ pub(crate) fn select(
         Selection::L1 | Selection::L1Exchange => {
             let found = l1::reweighted_l1(space, target, count, options.seed, &mut run)?;
             l1_rounds = found.rounds;
-            gap = found.gap;
+            warnings.extend(found.warning());
             found.state
         }
         Selection::Curvature => sampled(space, target, count, Density::Curvature, options.seed)?,
@@ -160,7 +160,7 @@ pub(crate) fn select(
         eliminations,
         exchanges,
         l1_rounds,
-        l1_gap: gap,
+        warnings,
         cross_validation: Vec::new(),
     })
 }

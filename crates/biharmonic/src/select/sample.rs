@@ -143,18 +143,7 @@ fn fill(graph: &Graph, radii: &[f64], count: usize, sample: &mut Vec<u32>) {
 fn approach(graph: &Graph, distance: &mut [f64], seed: u32) {
     let mut heap = BinaryHeap::from([Reverse((Distance(0.0), seed))]);
     distance[seed as usize] = 0.0;
-    while let Some(Reverse((Distance(reached), vertex))) = heap.pop() {
-        if reached > distance[vertex as usize] {
-            continue;
-        }
-        for &(other, length) in graph.neighbours(vertex) {
-            let through = reached + length;
-            if through < distance[other as usize] {
-                distance[other as usize] = through;
-                heap.push(Reverse((Distance(through), other)));
-            }
-        }
-    }
+    graph.spread(&mut heap, distance, f64::INFINITY, |_, _| {});
 }
 
 /// Returns all vertices in the order in which disks are tried.
@@ -225,23 +214,11 @@ fn disks(graph: &Graph, radii: &[f64], scale: f64, order: &[(u64, u32)]) -> Vec<
         distance[seed as usize] = 0.0;
         touched.push(seed);
         heap.push(Reverse((Distance(0.0), seed)));
-        while let Some(Reverse((Distance(reached), vertex))) = heap.pop() {
-            if reached > distance[vertex as usize] {
-                continue;
-            }
-            covered[vertex as usize] = true;
-            for &(other, length) in graph.neighbours(vertex) {
-                let through = reached + length;
-                if through < radius && through < distance[other as usize] {
-                    distance[other as usize] = through;
-                    touched.push(other);
-                    heap.push(Reverse((Distance(through), other)));
-                }
-            }
+        graph.spread(&mut heap, &mut distance, radius, |_, to| touched.push(to));
+        for v in touched.drain(..) {
+            covered[v as usize] = true;
+            distance[v as usize] = f64::INFINITY;
         }
-        touched
-            .drain(..)
-            .for_each(|v| distance[v as usize] = f64::INFINITY);
     }
     taken
 }

@@ -23,6 +23,9 @@ impl Ord for Distance {
     }
 }
 
+/// Vertices from which distances spread, the nearest first.
+pub(super) type Front = BinaryHeap<Reverse<(Distance, u32)>>;
+
 /// Edges and their lengths around each vertex, in flat arrays.
 #[derive(Clone)]
 pub(crate) struct Graph {
@@ -47,6 +50,30 @@ impl Graph {
         &self.neighbours[self.starts[vertex as usize]..self.starts[vertex as usize + 1]]
     }
 
+    /// Spreads distances along edges, as long as they stay below `reach` and get smaller, from the
+    /// vertices in `heap`, and tells of every step from one vertex to another.
+    pub(super) fn spread(
+        &self,
+        heap: &mut Front,
+        distance: &mut [f64],
+        reach: f64,
+        mut step: impl FnMut(u32, u32),
+    ) {
+        while let Some(Reverse((Distance(reached), vertex))) = heap.pop() {
+            if reached > distance[vertex as usize] {
+                continue;
+            }
+            for &(other, length) in self.neighbours(vertex) {
+                let through = reached + length;
+                if through < reach && through < distance[other as usize] {
+                    distance[other as usize] = through;
+                    step(vertex, other);
+                    heap.push(Reverse((Distance(through), other)));
+                }
+            }
+        }
+    }
+
     /// Returns the nearest knot (as index into `knots`) of every vertex.
     pub(crate) fn cells(&self, knots: &[u32]) -> Vec<u32> {
         let vertices = self.starts.len() - 1;
@@ -58,19 +85,9 @@ impl Graph {
             cell[knot as usize] = k as u32;
             heap.push(Reverse((Distance(0.0), knot)));
         }
-        while let Some(Reverse((Distance(reached), vertex))) = heap.pop() {
-            if reached > distance[vertex as usize] {
-                continue;
-            }
-            for &(other, length) in self.neighbours(vertex) {
-                let through = reached + length;
-                if through < distance[other as usize] {
-                    distance[other as usize] = through;
-                    cell[other as usize] = cell[vertex as usize];
-                    heap.push(Reverse((Distance(through), other)));
-                }
-            }
-        }
+        self.spread(&mut heap, &mut distance, f64::INFINITY, |from, to| {
+            cell[to as usize] = cell[from as usize];
+        });
         cell
     }
 

@@ -206,7 +206,7 @@ fn knots_that_cannot_come_or_go_are_named() {
     );
     assert_eq!(
         text(spline.insert_knots(&[7, 8, 7]).unwrap_err()),
-        "vertex 7 is named more than once; name each knot once"
+        "vertex 7 is given as a knot more than once; give each knot once"
     );
     assert_eq!(
         text(spline.remove_knots(&[50, 60]).unwrap_err()),

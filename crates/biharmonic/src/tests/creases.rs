@@ -1,15 +1,13 @@
 //! Creases: where they are found, and what they are good for.
 
-use msplines_common::evaluate::VertexData;
 use msplines_common::linalg::Mat;
 use msplines_common::mesh::{TriangleMesh, shapes, zoo};
-use msplines_common::progress::unobserved;
 use std::sync::Arc;
 
-use super::{largest, positions};
+use super::{fit_positions, largest, positions};
 use crate::{
     BiharmonicSpline, CreaseChoice, Creases, Extension, FitError, Form, KnotChoice, Laplacian,
-    Options, PartsError, Space, fit,
+    Options, PartsError, Space,
 };
 
 /// Returns a unit cube of `steps` squares along each edge, each cut into two triangles.
@@ -18,17 +16,12 @@ fn cube(steps: u32) -> TriangleMesh {
 }
 
 fn run(mesh: &TriangleMesh, count: usize, creases: CreaseChoice) -> BiharmonicSpline {
-    let values = positions(mesh);
-    let data = VertexData {
-        dimension: 3,
-        values: &values,
-    };
     let options = Options {
         knots: KnotChoice::Optimised { count },
         creases,
         ..Options::default()
     };
-    fit(mesh, data, &options, &mut unobserved()).unwrap().spline
+    fit_positions(mesh, &options).spline
 }
 
 fn mean_error(spline: &BiharmonicSpline, values: &[f64]) -> f64 {

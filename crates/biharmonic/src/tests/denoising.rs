@@ -1,16 +1,12 @@
 //! The number of knots that cross-validation chooses for noisy data.
 
-use std::sync::Arc;
-
-use msplines_common::evaluate::VertexData;
 use msplines_common::mesh::{TriangleMesh, shapes};
-use msplines_common::progress::unobserved;
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::{positions, space};
-use crate::{Fit, KnotChoice, Options, fit_in};
+use super::{fit_positions, positions};
+use crate::{Fit, KnotChoice, Options};
 
 /// Returns the mesh with noise of standard deviation `sigma` in every coordinate.
 fn noisy(mesh: &TriangleMesh, sigma: f64) -> TriangleMesh {
@@ -22,16 +18,11 @@ fn noisy(mesh: &TriangleMesh, sigma: f64) -> TriangleMesh {
 }
 
 fn run(mesh: &TriangleMesh, knots: KnotChoice) -> Fit {
-    let values = positions(mesh);
-    let data = VertexData {
-        dimension: 3,
-        values: &values,
-    };
     let options = Options {
         knots,
         ..Options::default()
     };
-    fit_in(&Arc::new(space(mesh)), data, &options, &mut unobserved()).unwrap()
+    fit_positions(mesh, &options)
 }
 
 fn rms(values: &[f64], truth: &[f64]) -> f64 {

@@ -22,7 +22,7 @@ use msplines_common::progress::unobserved;
 
 use crate::select::voronoi::Graph;
 use crate::target::Centred;
-use crate::{BiharmonicSpline, KnotChoice, Laplacian, Options, Space, fit_in};
+use crate::{BiharmonicSpline, Fit, KnotChoice, Laplacian, Options, Space, fit, fit_in};
 
 /// Returns the positions of a mesh, vertex after vertex.
 fn positions(mesh: &TriangleMesh) -> Vec<f64> {
@@ -97,6 +97,15 @@ fn spline_on(space: &Arc<Space>, knots: Vec<u32>) -> BiharmonicSpline {
     fit_in(space, data, &options, &mut unobserved())
         .unwrap()
         .spline
+}
+
+/// Returns what a fit of the positions of the mesh gives.
+fn fit_positions(mesh: &TriangleMesh, options: &Options) -> Fit {
+    let data = VertexData {
+        dimension: 3,
+        values: &positions(mesh),
+    };
+    fit(mesh, data, options, &mut unobserved()).unwrap()
 }
 
 fn largest_difference(one: &[f64], other: &[f64]) -> f64 {

@@ -7,8 +7,11 @@ use msplines_common::linalg::Mat;
 use msplines_common::mesh::{SurfacePoint, TriangleMesh, shapes, zoo};
 use msplines_common::progress::unobserved;
 
-use super::{positions, space, spread_knots};
-use crate::{BiharmonicSpline, FitError, KnotChoice, Laplacian, Options, fit, fit_in, interpolate};
+use super::{fit_positions, positions, space, spread_knots};
+use crate::{
+    BiharmonicSpline, Creases, FitError, KnotChoice, Laplacian, Options, Space, fit, fit_in,
+    interpolate,
+};
 
 fn inside(faces: usize) -> Vec<SurfacePoint> {
     let places = [[0.2, 0.3, 0.5], [0.6, 0.3, 0.1], [0.05, 0.9, 0.05]];
@@ -21,16 +24,11 @@ fn inside(faces: usize) -> Vec<SurfacePoint> {
 }
 
 fn fitted(mesh: &TriangleMesh, knots: KnotChoice) -> BiharmonicSpline {
-    let values = positions(mesh);
-    let data = VertexData {
-        dimension: 3,
-        values: &values,
-    };
     let options = Options {
         knots,
         ..Options::default()
     };
-    fit(mesh, data, &options, &mut unobserved()).unwrap().spline
+    fit_positions(mesh, &options).spline
 }
 
 fn samples(spline: &BiharmonicSpline, points: &[SurfacePoint], order: Order) -> Samples {
@@ -97,6 +95,28 @@ fn knots_at_vertices_given_as_points_are_the_same_knots() {
     let given = fitted(&mesh, KnotChoice::Given(knots));
     assert_eq!(at.knots(), given.knots());
     assert_eq!(at.vertex_values().unwrap(), given.vertex_values().unwrap());
+}
+
+/// Points of a space carry no data, so they cannot all be knots of a fit.
+#[test]
+fn more_knots_than_data_are_refused() {
+    let mesh = zoo::closed();
+    let values = positions(&mesh);
+    let data = VertexData {
+        dimension: 3,
+        values: &values,
+    };
+    let points = inside(mesh.face_count());
+    let none = Creases::none();
+    let domain = Arc::new(mesh.clone());
+    let (space, _) = Space::with_points(domain, &points, Laplacian::Cotangent, &none).unwrap();
+    let options = Options {
+        knots: KnotChoice::All,
+        ..Options::default()
+    };
+    let error = fit_in(&Arc::new(space), data, &options, &mut unobserved()).unwrap_err();
+    let (weighted, knots) = (mesh.vertex_count(), mesh.vertex_count() + points.len());
+    assert_eq!(error, FitError::TooFewWeights { weighted, knots });
 }
 
 #[test]

@@ -33,8 +33,8 @@ pub struct Measured {
     pub row: String,
     /// Where the number stands in its record, such as `checks.partition_of_unity`.
     pub value: String,
-    /// What it must not exceed; above it, the row fails.
-    pub at_most: f64,
+    /// What it must not exceed, above which the row fails; nothing is judged where absent.
+    pub at_most: Option<f64>,
     /// What is said of it; [`Measured::VALUE`] stands for the number.
     #[serde(default = "bare")]
     pub says: String,
@@ -155,8 +155,8 @@ mod tests {
                 "measured for `M`: no record has `check.unity`",
             ),
             (
-                measured("row = \"a\", value = \"dofs\""),
-                "missing field `at_most`",
+                measured("row = \"a\", at_most = 1"),
+                "missing field `value`",
             ),
         ];
         for (text, message) in bad {

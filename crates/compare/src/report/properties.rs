@@ -120,13 +120,15 @@ fn entry(item: &ItemReport, property: &Property, spline: &str) -> Entry {
 fn said(measured: &Measured, bound: &Bound) -> (String, Mark) {
     let value = bound.value.map_or("missing".to_owned(), show_number);
     let text = one_line(&measured.says).replace(Measured::VALUE, &value);
-    let at_most = show_number(bound.at_most);
     let mark = if bound.holds() {
         Mark::Ok
     } else {
         Mark::Missed
     };
-    (format!("{text}, at most {at_most}"), mark)
+    let at_most = bound.at_most.map_or_else(String::new, |bound| {
+        format!(", at most {}", show_number(bound))
+    });
+    (text + &at_most, mark)
 }
 
 /// Returns the matrix of an item as a table whose cells have a line for what is printed and one

@@ -2,7 +2,7 @@
 
 use crate::campaign::{ItemReport, RowReport, Times};
 use crate::models::Provenance;
-use crate::verdict::{Bound, Regression};
+use crate::verdict::Regression;
 
 use super::quantities::{Quantity, Unit, absence, cost_quantities, error_quantity};
 
@@ -269,12 +269,11 @@ pub(super) fn remarks(item: &ItemReport) -> Vec<String> {
                 .value
                 .map_or("missing".to_owned(), |v| format!("{v:.3e}"));
             let holds = if bound.holds() { "" } else { ", EXCEEDED" };
-            let Bound {
-                quantity, at_most, ..
-            } = bound;
-            remarks.push(format!(
-                "{label}: {quantity} is {value}, to be at most {at_most:e}{holds}"
-            ));
+            let limit = bound
+                .at_most
+                .map_or_else(String::new, |limit| format!(", to be at most {limit:e}"));
+            let quantity = &bound.quantity;
+            remarks.push(format!("{label}: {quantity} is {value}{limit}{holds}"));
         }
         let record = report.result.record();
         let warnings = record.map_or(&[][..], |record| &record.warnings);

@@ -10,7 +10,6 @@ use super::{Produced, enter, fitted};
 use crate::case::{Case, Edit, Move};
 use crate::clock::PhaseClock;
 use crate::error::RunError;
-use crate::fit::biharmonic_method;
 use crate::input::{FitData, LoadedInput};
 use crate::spline_file::{StoredBiharmonic, StoredSpline};
 
@@ -51,12 +50,9 @@ pub(super) fn edit(
     clock: &mut PhaseClock,
     observer: &mut Observer<'_>,
 ) -> Result<Produced, RunError> {
-    biharmonic_method(case, "edit")?;
     let mut produced = fitted(case, input, data, clock, observer)?;
-    let StoredSpline::Biharmonic(stored) = &produced.stored else {
-        return Ok(produced);
-    };
-    let spline = stored.restore(&input.mesh)?;
+    let stored = &produced.fitted.stored;
+    let spline = stored.biharmonic("edit")?.restore(&input.mesh)?;
     enter("domain", clock, observer);
     let shifts: Vec<Shift> = edit
         .moves
@@ -85,9 +81,9 @@ pub(super) fn edit(
         ("moved_share", json!(count as f64 / shifts.len() as f64)),
         ("largest_movement", json!(largest)),
     ] {
-        produced.checks.insert(name.to_owned(), value);
+        produced.fitted.checks.insert(name.to_owned(), value);
     }
-    produced.stored = StoredSpline::Biharmonic(StoredBiharmonic::of(&edited));
+    produced.fitted.stored = StoredSpline::Biharmonic(StoredBiharmonic::of(&edited));
     produced.values = values;
     produced.mesh = input.mesh.clone();
     produced.fields = vec![VertexAttribute {
@@ -107,13 +103,7 @@ pub(super) fn shifted(
     mesh: &TriangleMesh,
     observer: &mut Observer<'_>,
 ) -> Result<StoredSpline, RunError> {
-    let StoredSpline::Biharmonic(stored) = stored else {
-        return Err(RunError::Task {
-            task: "edit",
-            method: stored.method(),
-        });
-    };
-    let spline = stored.restore(mesh)?;
+    let spline = stored.biharmonic("edit")?.restore(mesh)?;
     let (edited, _) = moved(&spline, shifts, observer)?;
     Ok(StoredSpline::Biharmonic(StoredBiharmonic::of(&edited)))
 }

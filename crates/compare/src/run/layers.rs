@@ -8,11 +8,11 @@ use msplines_common::evaluate::VertexData;
 use msplines_common::progress::Observer;
 use serde_json::{Value, json};
 
-use super::{Produced, enter, timed};
+use super::{Produced, enter};
 use crate::case::{Amount, Case};
 use crate::clock::PhaseClock;
 use crate::error::RunError;
-use crate::fit::{biharmonic_method, biharmonic_options, count};
+use crate::fit::{Fitted, PHASES, biharmonic_method, biharmonic_options, count, following};
 use crate::input::{FitData, LoadedInput};
 use crate::spline_file::{StoredBiharmonic, StoredSpline};
 
@@ -46,9 +46,9 @@ pub(super) fn decompose(
         dimension: data.dimension,
         values: &data.values,
     };
-    let parts = timed(clock, observer, |observer| {
-        biharmonic::decompose(&space, values, &layers, &options, observer)
-    })?;
+    let mut follow = following(&PHASES, clock, observer);
+    let parts = biharmonic::decompose(&space, values, &layers, &options, &mut follow)?;
+    drop(follow);
     enter("evaluate", clock, observer);
     let result = parts.recombine(factors)?;
     let mut ones = vec![1.0; factors.len()];
@@ -60,20 +60,22 @@ pub(super) fn decompose(
         .layers
         .iter()
         .flat_map(|fit| fit.report.warnings.clone());
-    Ok(Produced {
+    let count = sum.knots().len();
+    let fitted = Fitted {
         stored: StoredSpline::Biharmonic(StoredBiharmonic::of(&sum)),
         options: json!(Options {
-            knots: biharmonic::KnotChoice::Optimised {
-                count: sum.knots().len(),
-            },
+            knots: biharmonic::KnotChoice::Optimised { count },
             ..options
         }),
         outcome: parts.outcome(),
         checks: checks(&parts, data),
         warnings: warnings.collect(),
+    };
+    Ok(Produced {
+        fitted,
         mesh: input.mesh.clone(),
         values: result,
-        fitted: parts.recombine(&ones)?,
+        compared: parts.recombine(&ones)?,
         fields: Vec::new(),
     })
 }

@@ -18,12 +18,12 @@ use serde_json::{Value, json};
 use crate::case::{Case, Data, DomainStorage, Input, Task};
 use crate::clock::{PhaseClock, process_usage};
 use crate::error::RunError;
-use crate::fit::{PHASES, fit};
+use crate::fit::{Fitted, fit};
 use crate::input::{FitData, LoadedInput, fit_data, load, load_domain};
 use crate::measure::{self, Measured};
 use crate::output::{check_outputs, write_outputs};
 use crate::record::{RUN_SCHEMA, Record, Tool};
-use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
+use crate::spline_file::{SplineFile, StoredDomain, StoredMesh};
 
 pub use edits::Shift;
 pub use frames::ShownFrame;
@@ -74,19 +74,20 @@ pub fn run(
     let produced = produce(case, &input, &data, &mut clock, observer)?;
     check_finite(&produced.values, data.dimension)?;
     enter("measure", &mut clock, observer);
-    let mut measured = measure::against_data(&input, &data, &produced.fitted, &case.data);
+    let mut measured = measure::against_data(&input, &data, &produced.compared, &case.data);
     if case.measure_distance && case.data == Data::Positions {
-        let found = measure::surface_distance(&produced.stored, &input.mesh, case.seed)?;
+        let found = measure::surface_distance(&produced.fitted.stored, &input.mesh, case.seed)?;
         measured.distance = Some(found);
     }
-    let mut checks = produced.checks;
+    let fitted = produced.fitted;
+    let mut checks = fitted.checks;
     let (mesh, values) = (produced.mesh, produced.values);
     if let Some(path) = &case.reference {
         let found = measure::to_reference(path, &input.mesh, &mesh, &values, case.seed)?;
         checks.extend(found);
     }
-    let options = options(case, &produced.options);
-    let spline = SplineFile::new(domain(case, &input), options, produced.stored);
+    let options = options(case, &fitted.options);
+    let spline = SplineFile::new(domain(case, &input), options, fitted.stored);
     enter("write", &mut clock, observer);
     write_outputs(
         &case.outputs,
@@ -100,12 +101,12 @@ pub fn run(
     checks.insert("evaluated_points".to_owned(), json!(mesh.vertex_count()));
     let summary = Summary {
         checks,
-        outcome: produced.outcome,
+        outcome: fitted.outcome,
         measured,
         seed: case.seed,
     };
     let mut record = record(&input, &spline, summary, &mut clock);
-    record.warnings.extend(produced.warnings);
+    record.warnings.extend(fitted.warnings);
     Ok(RunOutput {
         record,
         spline,
@@ -139,19 +140,14 @@ fn produce(
 
 /// What a task gives, before it is measured and written.
 pub(crate) struct Produced {
-    /// The spline in its stored form.
-    stored: StoredSpline,
-    /// All options of the method.
-    options: Value,
-    outcome: Outcome,
-    checks: BTreeMap<String, Value>,
-    warnings: Vec<String>,
+    /// The spline and how it came about.
+    fitted: Fitted,
     /// Where the result is evaluated.
     mesh: TriangleMesh,
     /// The result there.
     values: Vec<f64>,
     /// What is compared with the data, at the vertices of the input and perhaps beyond.
-    fitted: Vec<f64>,
+    compared: Vec<f64>,
     /// Further numbers at the vertices of `mesh`, for pictures.
     fields: Vec<VertexAttribute>,
 }
@@ -170,13 +166,9 @@ fn fitted(
         .stored
         .evaluate_by(case.scheme, &input.mesh, case.subdivide)?;
     Ok(Produced {
-        stored: fitted.stored,
-        options: fitted.options,
-        outcome: fitted.outcome,
-        checks: fitted.checks,
-        warnings: fitted.warnings,
+        fitted,
         mesh,
-        fitted: values.clone(),
+        compared: values.clone(),
         values,
         fields: Vec::new(),
     })
@@ -351,21 +343,6 @@ fn check_finite(values: &[f64], dimension: usize) -> Result<(), RunError> {
 fn enter(phase: &'static str, clock: &mut PhaseClock, observer: &mut Observer<'_>) {
     clock.enter(phase);
     announce(phase, observer);
-}
-
-/// Runs `work` with an observer that lets the clock follow the phases of the method.
-fn timed<T>(
-    clock: &mut PhaseClock,
-    observer: &mut Observer<'_>,
-    work: impl FnOnce(&mut Observer<'_>) -> T,
-) -> T {
-    let mut follow = |progress: &Progress| {
-        if PHASES.contains(&progress.phase) {
-            clock.enter(progress.phase);
-        }
-        observer(progress)
-    };
-    work(&mut follow)
 }
 
 /// Tells the observer of a phase that cannot be broken off.

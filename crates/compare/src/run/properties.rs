@@ -14,9 +14,7 @@ use super::{Produced, enter, fitted};
 use crate::case::Case;
 use crate::clock::PhaseClock;
 use crate::error::RunError;
-use crate::fit::biharmonic_method;
 use crate::input::{FitData, LoadedInput};
-use crate::spline_file::StoredSpline;
 
 /// Evaluations that are timed; the median counts.
 const TIMINGS: usize = 9;
@@ -32,12 +30,9 @@ pub(super) fn measure(
     clock: &mut PhaseClock,
     observer: &mut Observer<'_>,
 ) -> Result<Produced, RunError> {
-    biharmonic_method(case, "properties")?;
     let mut produced = fitted(case, input, data, clock, observer)?;
-    let StoredSpline::Biharmonic(stored) = &produced.stored else {
-        return Ok(produced);
-    };
-    let spline = stored.restore(&input.mesh)?;
+    let stored = &produced.fitted.stored;
+    let spline = stored.biharmonic("properties")?.restore(&input.mesh)?;
     enter("domain", clock, observer);
     let (space, knots) = (spline.space(), spline.knots());
     let basis = ExplicitBasis::build(space, knots, BasisKind::JointQp, observer)?;
@@ -66,7 +61,7 @@ pub(super) fn measure(
         ),
     ];
     for (name, value) in numbers.into_iter().chain(costs(&spline)?) {
-        produced.checks.insert(name.to_owned(), json!(value));
+        produced.fitted.checks.insert(name.to_owned(), json!(value));
     }
     produced.fields = fields(&spline, &basis)?;
     Ok(produced)

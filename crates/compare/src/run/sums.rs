@@ -22,7 +22,10 @@ pub(super) fn sum(
     clock: &mut PhaseClock,
 ) -> Result<StoredSpline, RunError> {
     let digest = mesh_digest(&input.mesh);
-    let mut splines = vec![(restored(&first.spline, input)?, factor)];
+    let restored = |stored: &StoredSpline| -> Result<BiharmonicSpline, RunError> {
+        Ok(stored.biharmonic("combine")?.restore(&input.mesh)?)
+    };
+    let mut splines = vec![(restored(&first.spline)?, factor)];
     for (path, factor) in others {
         let other = SplineFile::read(path)?;
         // A digest names the file of the mesh, which is at hand already.
@@ -34,20 +37,10 @@ pub(super) fn sum(
                 return Err(SplineFileError::OtherDomain { expected, found }.into());
             }
         }
-        splines.push((restored(&other.spline, input)?, *factor));
+        splines.push((restored(&other.spline)?, *factor));
     }
     let terms: Vec<(&BiharmonicSpline, f64)> = splines.iter().map(|(s, f)| (s, *f)).collect();
     Ok(StoredSpline::Biharmonic(StoredBiharmonic::of(&combine(
         &terms,
     )?)))
-}
-
-fn restored(stored: &StoredSpline, input: &LoadedInput) -> Result<BiharmonicSpline, RunError> {
-    match stored {
-        StoredSpline::Biharmonic(stored) => Ok(stored.restore(&input.mesh)?),
-        StoredSpline::LsMesh { .. } => Err(RunError::Task {
-            task: "combine",
-            method: stored.method(),
-        }),
-    }
 }

@@ -14,7 +14,7 @@ use msplines_common::mesh::TriangleMesh;
 use msplines_ls_mesh::{Constraints, LsMesh};
 use serde::{Deserialize, Serialize};
 
-use crate::error::SplineFileError;
+use crate::error::{RunError, SplineFileError};
 
 pub use biharmonic::StoredBiharmonic;
 
@@ -118,6 +118,20 @@ impl StoredSpline {
             controls: spline.controls().to_vec(),
             control_values: spline.control_values().to_vec(),
             constraints,
+        }
+    }
+
+    /// Returns the biharmonic B-spline that this is.
+    ///
+    /// # Errors
+    /// A spline of another method, which does not have the `task`.
+    pub(crate) fn biharmonic(&self, task: &'static str) -> Result<&StoredBiharmonic, RunError> {
+        match self {
+            Self::Biharmonic(stored) => Ok(stored),
+            Self::LsMesh { .. } => Err(RunError::Task {
+                task,
+                method: self.method(),
+            }),
         }
     }
 

@@ -123,7 +123,7 @@ fn extraordinary_weights(valence: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::lattice::{is_inside, lattice};
+    use super::super::lattice::{is_inside, lattice, octahedron};
     use super::super::subdivide_midpoint;
     use super::*;
     use crate::mesh::{Facts, shapes, zoo};
@@ -205,28 +205,6 @@ mod tests {
         // the point opposite to that.
         let fine = subdivide_butterfly(&octahedron(), 1);
         assert!((fine.positions()[6] - Point3::new(0.625, 0.625, 0.0)).norm() < 1e-15);
-    }
-
-    fn octahedron() -> TriangleMesh {
-        let x = [
-            [1., 0., 0.],
-            [0., 1., 0.],
-            [-1., 0., 0.],
-            [0., -1., 0.],
-            [0., 0., 1.],
-            [0., 0., -1.],
-        ];
-        let faces = [
-            [0, 1, 4],
-            [1, 2, 4],
-            [2, 3, 4],
-            [3, 0, 4],
-            [1, 0, 5],
-            [2, 1, 5],
-            [3, 2, 5],
-            [0, 3, 5],
-        ];
-        TriangleMesh::build(x.map(Point3::from).to_vec(), faces.to_vec()).unwrap()
     }
 
     #[test]

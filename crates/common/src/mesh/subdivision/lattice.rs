@@ -1,4 +1,4 @@
-//! A regular lattice, on which schemes are compared with what they reproduce.
+//! A regular lattice and an octahedron, on which it is known what schemes give.
 
 use nalgebra::Point3;
 
@@ -28,4 +28,27 @@ pub(super) fn is_inside(point: &Point3<f64>, rings: u32) -> bool {
     let row = point.y / 0.75f64.sqrt();
     let range = f64::from(rings)..=f64::from(COUNT - 1 - rings);
     range.contains(&row) && range.contains(&(point.x - 0.5 * row))
+}
+
+/// Returns a regular octahedron, whose vertices have valence 4.
+pub(super) fn octahedron() -> TriangleMesh {
+    let x = [
+        [1., 0., 0.],
+        [0., 1., 0.],
+        [-1., 0., 0.],
+        [0., -1., 0.],
+        [0., 0., 1.],
+        [0., 0., -1.],
+    ];
+    let faces = [
+        [0, 1, 4],
+        [1, 2, 4],
+        [2, 3, 4],
+        [3, 0, 4],
+        [1, 0, 5],
+        [2, 1, 5],
+        [3, 2, 5],
+        [0, 3, 5],
+    ];
+    TriangleMesh::build(x.map(Point3::from).to_vec(), faces.to_vec()).unwrap()
 }

@@ -60,7 +60,7 @@ fn edge_vertex(topology: &Topology, old: &[Point3<f64>], edge: u32) -> Point3<f6
 
 #[cfg(test)]
 mod tests {
-    use super::super::lattice::{is_inside, lattice};
+    use super::super::lattice::{is_inside, lattice, octahedron};
     use super::super::subdivide_midpoint;
     use super::*;
     use crate::mesh::{Facts, shapes, zoo};
@@ -100,26 +100,7 @@ mod tests {
     #[test]
     fn loop_subdivision_of_an_octahedron_is_known() {
         // Valence 4: inner = 3/8, weight (5/8 - 9/64) / 4 = 31/256; edges 3/8 + 3/8, 1/8 + 1/8.
-        let x = [
-            [1., 0., 0.],
-            [0., 1., 0.],
-            [-1., 0., 0.],
-            [0., -1., 0.],
-            [0., 0., 1.],
-            [0., 0., -1.],
-        ];
-        let faces = [
-            [0, 1, 4],
-            [1, 2, 4],
-            [2, 3, 4],
-            [3, 0, 4],
-            [1, 0, 5],
-            [2, 1, 5],
-            [3, 2, 5],
-            [0, 3, 5],
-        ];
-        let mesh = TriangleMesh::build(x.map(Point3::from).to_vec(), faces.to_vec()).unwrap();
-        let fine = subdivide_loop(&mesh, 1);
+        let fine = subdivide_loop(&octahedron(), 1);
         assert!((fine.positions()[0].x - (1.0 - 4.0 * 31.0 / 256.0)).abs() < 1e-15);
         assert!((fine.positions()[6] - Point3::new(0.375, 0.375, 0.0)).norm() < 1e-15);
         let round = subdivide_loop(&shapes::sphere(12), 3);

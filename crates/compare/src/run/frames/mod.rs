@@ -25,7 +25,7 @@ use crate::animation::{Animation, FrameError, Frames, Loaded};
 use crate::case::{Case, Data, Task};
 use crate::clock::PhaseClock;
 use crate::error::RunError;
-use crate::fit::Fitted;
+use crate::fit::{Fitted, following};
 use crate::input::LoadedInput;
 use crate::output::{is_array, write_array, write_outputs};
 use crate::spline_file::SplineFile;
@@ -193,12 +193,7 @@ fn fit(
 ) -> Result<Fitted, RunError> {
     // A least-squares mesh reports a step of its selection only once it is made.
     clock.enter("select");
-    let mut timed = |progress: &Progress| {
-        if PHASES.contains(&progress.phase) {
-            clock.enter(progress.phase);
-        }
-        observer(progress)
-    };
+    let mut timed = following(&PHASES, clock, observer);
     space.fit(VertexData { dimension, values }, &mut timed)
 }
 
