@@ -12,8 +12,9 @@ use msplines_common::evaluate::EvaluateError;
 use msplines_common::linalg::Mat;
 
 use crate::fit::{FIT_EXCESS, FIT_ITERATIONS, ascending};
+use crate::gram::Gram;
 use crate::knot_values::KnotValues;
-use crate::select::probe_scale;
+use crate::rings::Rings;
 use crate::space::Difference;
 use crate::target::Centred;
 use crate::{BiharmonicSpline, FitError, Form, PartsError};
@@ -266,9 +267,10 @@ impl BiharmonicSpline {
         let system = KnotValues::factor(self.space(), knots.clone())?;
         let mut f = system.extend(system.gather(data).as_ref());
         if (data - &f).norm_max() > ROUNDING * data.norm_max() {
-            let scale = probe_scale(&system, &target, 0);
+            let rings = Rings::build(self.space().mesh(), system.knots());
+            let gram = Gram::estimate(&system, &target, &rings).map_err(FitError::from)?;
             f = system
-                .least_squares(&target, data, &scale, FIT_EXCESS, FIT_ITERATIONS)
+                .least_squares(&target, data, &gram, FIT_EXCESS, FIT_ITERATIONS)
                 .0;
         }
         let distances: Vec<f64> = (0..f.nrows())

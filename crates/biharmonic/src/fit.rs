@@ -6,8 +6,10 @@ use msplines_common::mesh::TriangleMesh;
 use msplines_common::progress::{Observer, Outcome, Progress};
 use serde::{Deserialize, Serialize};
 
+use crate::gram::Gram;
 use crate::knot_values::KnotValues;
-use crate::select::{Selected, Trial, probe_scale, select, select_cross_validated};
+use crate::rings::Rings;
+use crate::select::{Selected, Trial, select, select_cross_validated};
 use crate::target::{Centred, Target};
 use crate::{BiharmonicSpline, FitError, KnotChoice, Options, Space};
 
@@ -141,9 +143,10 @@ fn fit_centred(
     let mut warnings = selected.warnings;
     let system = KnotValues::factor(space, selected.knots)?;
     let _ = observer(&Progress::new("fit", 0, 1));
-    let scale = probe_scale(&system, target, options.seed);
+    let rings = Rings::build(space.mesh(), system.knots());
+    let gram = Gram::estimate(&system, target, &rings)?;
     let start = selected.fitted.as_ref().unwrap_or(&target.data);
-    let (f, report) = system.least_squares(target, start, &scale, FIT_EXCESS, FIT_ITERATIONS);
+    let (f, report) = system.least_squares(target, start, &gram, FIT_EXCESS, FIT_ITERATIONS);
     let _ = observer(&Progress::new("fit", 1, 1));
     if !report.converged {
         warnings.push(format!(

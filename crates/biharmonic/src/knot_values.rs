@@ -7,12 +7,15 @@
 //! [Hou2017] Eq. (11). Deviation: the constraint `(B f)_Z = 0` is eliminated instead of enforced by
 //! Lagrange multipliers, which leaves normal equations of condition below 100.
 
+use std::cell::RefCell;
 use std::sync::Arc;
 
 use msplines_common::linalg::{
-    CgReport, CgTolerance, Cholesky, Mat, MatRef, Symbolic, SymmetricMatrix, conjugate_gradient,
+    CgReport, CgTolerance, Cholesky, Mat, MatRef, Ordering, Symbolic, SymmetricMatrix, column,
+    column_mut, conjugate_gradient,
 };
 
+use crate::gram::Gram;
 use crate::target::Centred;
 use crate::{Bilaplacian, FitError, Space};
 
@@ -22,6 +25,7 @@ const ANALYSED_ANEW: usize = 5;
 /// The splines with one set of knots.
 pub(crate) struct KnotValues<'a> {
     bilaplacian: &'a SymmetricMatrix,
+    ordering: &'a Ordering,
     /// Knots, ascending.
     knots: Vec<u32>,
     factor: Arc<Cholesky>,
@@ -45,6 +49,7 @@ impl<'a> KnotValues<'a> {
         };
         Ok(Self {
             bilaplacian: matrix,
+            ordering,
             knots,
             factor: Arc::new(factor),
         })
@@ -56,8 +61,12 @@ impl<'a> KnotValues<'a> {
         knots: Vec<u32>,
         factor: Arc<Cholesky>,
     ) -> Result<Self, FitError> {
+        let Bilaplacian {
+            matrix, ordering, ..
+        } = space.bilaplacian()?;
         Ok(Self {
-            bilaplacian: &space.bilaplacian()?.matrix,
+            bilaplacian: matrix,
+            ordering,
             knots,
             factor,
         })
@@ -70,6 +79,13 @@ impl<'a> KnotValues<'a> {
 
     pub(crate) fn knots(&self) -> &[u32] {
         &self.knots
+    }
+
+    /// Returns an order in which to eliminate unknowns at the knots: that of the vertices.
+    pub(crate) fn knot_ordering(&self) -> Ordering {
+        let index = |vertex: &u32| self.knots.binary_search(vertex).ok();
+        let order = self.ordering.as_slice().iter().filter_map(index);
+        Ordering::given(order.map(|k| k as u32).collect())
     }
 
     /// Returns `H p`, the spline (n × d) with these values at the knots.
@@ -92,18 +108,12 @@ impl<'a> KnotValues<'a> {
         g
     }
 
-    /// Returns `Hᵀ g`, one row per knot, given `g` and `B_ZZ⁻¹ g_Z`.
-    pub(crate) fn restrict_solved(&self, g: &Mat<f64>, solved: &Mat<f64>) -> Mat<f64> {
-        let image = self.bilaplacian.multiply_rows(&self.knots, solved.as_ref());
-        Mat::from_fn(self.knots.len(), g.ncols(), |k, side| {
-            let knot = self.knots[k] as usize;
-            g[(knot, side)] - image[(k, side)]
-        })
-    }
-
     /// Returns `Hᵀ g`, one row per knot.
-    pub(crate) fn restrict(&self, g: &Mat<f64>) -> Mat<f64> {
-        self.restrict_solved(g, &self.solve_free(g.clone()))
+    pub(crate) fn restrict(&self, g: Mat<f64>) -> Mat<f64> {
+        let mut restricted = self.gather(&g);
+        let solved = self.solve_free(g);
+        restricted -= self.bilaplacian.multiply_rows(&self.knots, solved.as_ref());
+        restricted
     }
 
     /// Returns the rows of a function at the knots.
@@ -120,13 +130,13 @@ impl<'a> KnotValues<'a> {
 
     /// Returns the least-squares spline, found from the values of `start` at the knots on, and how.
     ///
-    /// `scale` approximates the diagonal of `Hᵀ C² H`, with the weights `C` of the target. Iterations
-    /// stop when the squared error exceeds its minimum by about the share `excess`.
+    /// `gram` approximates `Hᵀ C² H`, with the weights `C` of the target. Iterations stop when the
+    /// squared error exceeds its minimum by about the share `excess`.
     pub(crate) fn least_squares(
         &self,
         target: &Centred,
         start: &Mat<f64>,
-        scale: &[f64],
+        gram: &Gram,
         excess: f64,
         max_iterations: u32,
     ) -> (Mat<f64>, CgReport) {
@@ -135,21 +145,31 @@ impl<'a> KnotValues<'a> {
         target.weigh(&mut residual);
         let energy = residual.squared_norm_l2() * excess / residual.ncols() as f64;
         target.weigh(&mut residual);
-        let b = self.restrict(&residual);
+        let b = self.restrict(residual);
         let mut values = Mat::zeros(b.nrows(), b.ncols());
+        let direction = RefCell::new(Mat::zeros(0, 0));
         let report = conjugate_gradient(
             |p| {
-                let mut image = self.extend(p);
+                let extended = self.extend(p);
+                let mut image = extended.clone();
+                direction.replace(extended);
                 target.weigh_twice(&mut image);
-                self.restrict(&image)
+                self.restrict(image)
             },
-            |r| Mat::from_fn(r.nrows(), r.ncols(), |k, side| r[(k, side)] / scale[k]),
+            |r| gram.solve(r),
+            |steps| {
+                let direction = direction.borrow();
+                for (side, step) in steps.iter().enumerate() {
+                    let target = column_mut(f.as_mut(), side).iter_mut();
+                    let along = target.zip(column(direction.as_ref(), side));
+                    along.for_each(|(value, way)| *value += step * way);
+                }
+            },
             b.as_ref(),
             &mut values,
             CgTolerance::Energy(energy),
             max_iterations,
         );
-        f += self.extend(values.as_ref());
         (f, report)
     }
 

@@ -9,8 +9,8 @@ use std::ops::ControlFlow;
 use msplines_common::linalg::{Mat, column};
 use rayon::prelude::*;
 
-use super::rings::Rings;
 use crate::knot_values::KnotValues;
+use crate::rings::Rings;
 
 /// Rings of cells in which a column is kept.
 const RINGS: u32 = 4;

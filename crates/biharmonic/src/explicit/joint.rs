@@ -22,8 +22,8 @@ use rayon::prelude::*;
 use super::SparseColumns;
 use super::columns::LocalColumns;
 use super::quadratic::{Block, minimise};
-use super::rings::Rings;
 use crate::FitError;
+use crate::rings::Rings;
 
 /// Rings of knots that a function is combined from, and of cells that it should stay in. A third ring of
 /// knots gains 8 % of the mass outside at twice the time and entries.

@@ -17,7 +17,7 @@ use faer::linalg::solvers::{Qr, SolveLstsq};
 use msplines_common::linalg::{Mat, MatRef};
 
 use super::SparseColumns;
-use super::rings::Rings;
+use crate::rings::Rings;
 use crate::{FitError, Space};
 
 /// Rings of cells that a function should stay in.

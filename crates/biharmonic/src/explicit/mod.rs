@@ -22,7 +22,6 @@ mod joint;
 mod masks;
 mod mixture;
 mod quadratic;
-mod rings;
 mod small;
 mod sparse;
 #[cfg(test)]
@@ -42,11 +41,11 @@ pub use sparse::SparseColumns;
 use crate::Space;
 use crate::fit::checked_knots;
 use crate::knot_values::KnotValues;
+use crate::rings::Rings;
 use columns::LocalColumns;
 use joint::{NEIGHBOUR_SHARE, joint_matrix, neighbour_matrix};
 use masks::Masks;
 use mixture::Mixture;
-use rings::Rings;
 
 /// Least diagonal of the joint `P`.
 const DIAGONAL: f64 = 0.5;

@@ -5,7 +5,7 @@
 //! cross-validation has `γ = 1` for splines whose knots do not depend on the data. Knots that were
 //! chosen by the data follow its noise, each of them as if it were more than one.
 
-use super::state::State;
+use super::state::{Precision, State};
 use super::{Plan, Run, sample};
 use crate::target::Centred;
 use crate::{FitError, Options, Space};
@@ -47,7 +47,7 @@ pub(super) fn cross_validate(
     let most = ((counted as f64 * LARGEST_SHARE) as usize).max(1);
     let start = sample::sample(space, target, most, most, options.seed);
     let mut state = State::start(space, target, start, options.seed)?;
-    let share = Plan::of(options.effort).elimination;
+    let share = Plan::of(options.effort).elimination[1];
     let mut trials: Vec<Trial> = Vec::new();
     let mut best = f64::INFINITY;
     loop {
@@ -71,7 +71,7 @@ pub(super) fn cross_validate(
         if removed.is_empty() {
             break;
         }
-        state = state.moved(&removed, &[])?;
+        state = state.moved(&removed, &[], Precision::Fair)?;
     }
     Ok(trials)
 }

@@ -1,6 +1,6 @@
 //! Exchange: knots come where they gain most, as many go where they cost least.
 
-use super::state::State;
+use super::state::{Precision, State};
 use super::{Plan, Run};
 use crate::FitError;
 
@@ -30,10 +30,10 @@ pub(super) fn exchange(
         if inserted.is_empty() {
             break;
         }
-        let mut next = state.moved(&[], &inserted)?;
+        let mut next = state.moved(&[], &inserted, Precision::Rough)?;
         while next.knots().len() > count {
             let removed = next.cheapest(next.knots().len() - count);
-            next = next.moved(&removed, &[])?;
+            next = next.moved(&removed, &[], Precision::Fair)?;
         }
         tried += 1;
         let gain = state.error() - next.error();

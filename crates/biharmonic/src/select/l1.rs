@@ -106,7 +106,7 @@ pub(super) fn reweighted_l1<'a>(
     let problem = Problem::build(space, &target.data)?;
     let path = descend(&problem, count, run)?;
     let mut state = State::start(space, target, path.support.knots, seed)?;
-    eliminate(&mut state, count, PRUNED, run)?;
+    eliminate(&mut state, count, [PRUNED; 2], run)?;
     Ok(L1Knots {
         state,
         rounds: path.rounds,

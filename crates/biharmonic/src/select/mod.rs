@@ -28,8 +28,7 @@ use crate::{Effort, FitError, Options, Selection, Space};
 
 pub use cross_validation::Trial;
 #[cfg(test)]
-pub(crate) use scores::Probes;
-pub(crate) use scores::probe_scale;
+pub(crate) use scores::insertion_denominators;
 
 use sample::Density;
 use state::State;
@@ -71,8 +70,8 @@ impl Selected {
 struct Plan {
     /// Candidates per knot that elimination starts from.
     candidates: f64,
-    /// Largest share of the knots that one round eliminates.
-    elimination: f64,
+    /// Largest shares of the knots that the first and the last round eliminate.
+    elimination: [f64; 2],
     /// Share of the knots that the first round exchanges.
     exchange: f64,
     /// Factor on this share after each round.
@@ -86,25 +85,25 @@ impl Plan {
     fn of(effort: Effort) -> Self {
         match effort {
             Effort::Fast => Self {
-                candidates: 2.5,
-                elimination: 0.25,
-                exchange: 0.1,
-                cooling: 0.8,
+                candidates: 3.0,
+                elimination: [0.25, 0.07],
+                exchange: 0.08,
+                cooling: 0.85,
                 rounds: 1,
             },
             Effort::Standard => Self {
-                candidates: 3.0,
-                elimination: 0.2,
-                exchange: 0.15,
-                cooling: 0.8,
-                rounds: 5,
+                candidates: 4.0,
+                elimination: [0.3, 0.05],
+                exchange: 0.08,
+                cooling: 0.85,
+                rounds: 3,
             },
             Effort::Best => Self {
                 candidates: 4.0,
-                elimination: 0.1,
-                exchange: 0.15,
+                elimination: [0.2, 0.04],
+                exchange: 0.08,
                 cooling: 0.9,
-                rounds: 24,
+                rounds: 14,
             },
         }
     }

@@ -4,18 +4,32 @@ use std::collections::BTreeSet;
 
 use msplines_common::linalg::Mat;
 
-use super::scores::{Probes, removal_denominators};
+use super::scores::insertion_denominators;
 use super::voronoi::Graph;
+use crate::gram::Gram;
 use crate::knot_values::KnotValues;
+use crate::rings::Rings;
 use crate::target::Centred;
 use crate::{FitError, Space};
 
-/// Share by which the squared error of a fit may exceed its minimum where the fit only serves to
-/// choose the next move.
-const ROUGH_EXCESS: f64 = 1e-2;
+/// How good a fit is.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Precision {
+    /// Good enough to choose the next move.
+    Rough,
+    /// Good enough to compare two sets of knots.
+    Fair,
+}
 
-/// The same where two sets of knots are compared.
-const FAIR_EXCESS: f64 = 2e-3;
+impl Precision {
+    /// Returns the share by which the squared error may exceed its minimum.
+    fn excess(self) -> f64 {
+        match self {
+            Self::Rough => 1e-2,
+            Self::Fair => 2e-3,
+        }
+    }
+}
 
 /// Iterations allowed to a fit between rounds.
 const ROUND_ITERATIONS: u32 = 30;
@@ -27,7 +41,8 @@ pub(super) struct State<'a> {
     seed: u64,
     moves: u64,
     system: KnotValues<'a>,
-    probes: Probes,
+    rings: Rings,
+    gram: Gram,
     /// The spline at all vertices.
     fitted: Mat<f64>,
     /// Weighted sum of squared errors.
@@ -41,9 +56,10 @@ impl<'a> State<'a> {
         knots: Vec<u32>,
         seed: u64,
     ) -> Result<Self, FitError> {
-        let system = KnotValues::factor(space, knots)?;
-        let probes = Probes::estimate(&system, target, seed);
         let graph = Graph::build(space.mesh());
+        let system = KnotValues::factor(space, knots)?;
+        let rings = Rings::along(&graph, system.knots());
+        let gram = Gram::estimate(&system, target, &rings)?;
         let mut state = Self {
             space,
             target,
@@ -51,11 +67,12 @@ impl<'a> State<'a> {
             seed,
             moves: 0,
             system,
-            probes,
+            rings,
+            gram,
             fitted: target.data.clone(),
             error: 0.0,
         };
-        state.fit(ROUGH_EXCESS);
+        state.fit(Precision::Rough);
         Ok(state)
     }
 
@@ -78,8 +95,7 @@ impl<'a> State<'a> {
 
     /// Returns the knots that can go: up to `count`, cheapest first, none beside another.
     pub(super) fn cheapest(&self, count: usize) -> Vec<u32> {
-        let seed = self.seed.wrapping_add(self.moves);
-        let denominators = removal_denominators(&self.system, &self.probes.scale, seed);
+        let denominators = &self.gram.removal;
         let coefficients = self.system.coefficients(&self.fitted);
         let mut costs: Vec<(f64, u32)> = denominators
             .iter()
@@ -99,8 +115,6 @@ impl<'a> State<'a> {
             })
             .collect();
         costs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let cells = self.graph.cells(self.knots());
-        let adjacency = self.graph.adjacency(&cells, self.knots().len());
         let mut blocked = vec![false; self.knots().len()];
         let mut chosen = Vec::with_capacity(count);
         for (_, k) in costs {
@@ -108,9 +122,8 @@ impl<'a> State<'a> {
                 break;
             }
             if !blocked[k as usize] {
-                adjacency[k as usize]
-                    .iter()
-                    .for_each(|&other| blocked[other as usize] = true);
+                let around = self.rings.neighbours(k as usize).iter();
+                around.for_each(|&other| blocked[other as usize] = true);
                 chosen.push(self.knots()[k as usize]);
             }
         }
@@ -122,10 +135,11 @@ impl<'a> State<'a> {
         let mut residual = &self.target.data - &self.fitted;
         self.target.weigh_twice(&mut residual);
         let gradient = self.system.solve_free(residual);
-        let cells = self.graph.cells(self.knots());
+        let seed = self.seed.wrapping_add(self.moves);
+        let insertion = insertion_denominators(&self.system, self.target, seed);
         let mut best: Vec<(f64, u32)> = vec![(0.0, 0); self.knots().len()];
-        for (vertex, &cell) in cells.iter().enumerate() {
-            let denominator = self.probes.insertion[vertex];
+        for (vertex, &cell) in self.rings.cells().iter().enumerate() {
+            let denominator = insertion[vertex];
             if denominator > 0.0 {
                 let square: f64 = (0..gradient.ncols())
                     .map(|c| gradient[(vertex, c)].powi(2))
@@ -145,17 +159,21 @@ impl<'a> State<'a> {
     }
 
     /// Returns the state without some knots and with others, fitted again.
-    pub(super) fn moved(&self, removed: &[u32], inserted: &[u32]) -> Result<Self, FitError> {
+    pub(super) fn moved(
+        &self,
+        removed: &[u32],
+        inserted: &[u32],
+        precision: Precision,
+    ) -> Result<Self, FitError> {
         let mut knots: BTreeSet<u32> = self.knots().iter().copied().collect();
         removed.iter().for_each(|knot| {
             knots.remove(knot);
         });
         knots.extend(inserted);
         let system = KnotValues::factor(self.space, knots.into_iter().collect())?;
-        // Only what lost knots is compared with another set; what gained some is about to lose them.
-        let compared = !removed.is_empty();
         let moves = self.moves + 1;
-        let probes = Probes::estimate(&system, self.target, self.seed.wrapping_add(moves));
+        let rings = Rings::along(&self.graph, system.knots());
+        let gram = Gram::estimate(&system, self.target, &rings)?;
         let mut state = Self {
             space: self.space,
             target: self.target,
@@ -163,21 +181,22 @@ impl<'a> State<'a> {
             seed: self.seed,
             moves,
             system,
-            probes,
+            rings,
+            gram,
             fitted: self.fitted.clone(),
             error: 0.0,
         };
-        state.fit(if compared { FAIR_EXCESS } else { ROUGH_EXCESS });
+        state.fit(precision);
         Ok(state)
     }
 
     /// Fits the knots, from the present spline on.
-    fn fit(&mut self, excess: f64) {
+    fn fit(&mut self, precision: Precision) {
         let (fitted, _) = self.system.least_squares(
             self.target,
             &self.fitted,
-            &self.probes.scale,
-            excess,
+            &self.gram,
+            precision.excess(),
             ROUND_ITERATIONS,
         );
         self.fitted = fitted;

@@ -8,9 +8,8 @@ use msplines_common::mesh::{TriangleMesh, double_cover, zoo};
 use msplines_common::progress::{Outcome, unobserved};
 use proptest::prelude::*;
 
-use super::{centred, dense, dense_solve, largest, positions, space, spread_knots, target};
+use super::{centred, dense, dense_solve, gram, largest, positions, space, spread_knots, target};
 use crate::knot_values::KnotValues;
-use crate::select::probe_scale;
 use crate::{FitError, KnotChoice, Laplacian, Options, Space, fit, interpolate};
 
 fn given(knots: Vec<u32>) -> Options {
@@ -51,8 +50,8 @@ fn knot_value_fit_equals_the_orthogonal_projection() {
         let projected = &data - rows.transpose() * multipliers;
         let system = KnotValues::factor(&space, knots).unwrap();
         let target = target(&mesh);
-        let scale = probe_scale(&system, &target, 1);
-        let (f, report) = system.least_squares(&target, &data, &scale, 1e-22, 300);
+        let gram = gram(&system, &target, &mesh);
+        let (f, report) = system.least_squares(&target, &data, &gram, 1e-22, 300);
         assert!(report.converged);
         assert!(largest(&(f - projected)) < TOLERANCE * largest(&data));
     }

@@ -7,6 +7,7 @@ mod denoising;
 mod evaluation;
 mod explicit;
 mod fitting;
+mod gram;
 mod points;
 mod selection;
 mod weights;
@@ -20,6 +21,9 @@ use msplines_common::linalg::Mat;
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::progress::unobserved;
 
+use crate::gram::Gram;
+use crate::knot_values::KnotValues;
+use crate::rings::Rings;
 use crate::select::voronoi::Graph;
 use crate::target::Centred;
 use crate::{BiharmonicSpline, Fit, KnotChoice, Laplacian, Options, Space, fit, fit_in};
@@ -97,6 +101,11 @@ fn spline_on(space: &Arc<Space>, knots: Vec<u32>) -> BiharmonicSpline {
     fit_in(space, data, &options, &mut unobserved())
         .unwrap()
         .spline
+}
+
+/// Returns what preconditions the fits with the knots of a system.
+pub(crate) fn gram(system: &KnotValues<'_>, target: &Centred, mesh: &TriangleMesh) -> Gram {
+    Gram::estimate(system, target, &Rings::build(mesh, system.knots())).unwrap()
 }
 
 /// Returns what a fit of the positions of the mesh gives.

@@ -30,12 +30,15 @@ pub struct CgReport {
 ///
 /// `apply` returns `A` times its argument, `precondition` an approximate inverse times it; both must
 /// be symmetric and positive definite. All columns step together, each with its own coefficients.
+/// After each application `stepped` is told how far each column went along the direction that was
+/// applied last; so what is linear in `x` can be kept up with it.
 ///
 /// # Panics
 /// If the shapes of `x` and `b` differ.
 pub fn conjugate_gradient(
     mut apply: impl FnMut(MatRef<'_, f64>) -> Mat<f64>,
     mut precondition: impl FnMut(MatRef<'_, f64>) -> Mat<f64>,
+    mut stepped: impl FnMut(&[f64]),
     b: MatRef<'_, f64>,
     x: &mut Mat<f64>,
     tolerance: CgTolerance,
@@ -64,16 +67,22 @@ pub fn conjugate_gradient(
     while iterations < max_iterations && product.iter().zip(&limit).any(|(p, l)| p > l) {
         let image = apply(direction.as_ref());
         let curvature = column_products(direction.as_ref(), image.as_ref());
-        for side in 0..x.ncols() {
-            if product[side] <= limit[side] || curvature[side] <= 0.0 {
-                continue;
-            }
-            let step = product[side] / curvature[side];
+        let steps: Vec<f64> = (0..x.ncols())
+            .map(|side| {
+                if product[side] <= limit[side] || curvature[side] <= 0.0 {
+                    0.0
+                } else {
+                    product[side] / curvature[side]
+                }
+            })
+            .collect();
+        for (side, step) in steps.iter().enumerate() {
             for row in 0..x.nrows() {
                 x[(row, side)] += step * direction[(row, side)];
                 residual[(row, side)] -= step * image[(row, side)];
             }
         }
+        stepped(&steps);
         let preconditioned = precondition(residual.as_ref());
         let next = column_products(residual.as_ref(), preconditioned.as_ref());
         for side in 0..x.ncols() {

@@ -82,7 +82,7 @@ impl Cholesky {
             left_out,
             entry_count: matrix.entry_count(),
         };
-        factor.refactor(matrix)?;
+        factor.fill_in(matrix)?;
         Ok(factor)
     }
 
@@ -97,6 +97,11 @@ impl Cholesky {
             });
         }
         self.values.fill(0.0);
+        self.fill_in(matrix)
+    }
+
+    /// Factors a matrix into values that are all zero.
+    fn fill_in(&mut self, matrix: &SymmetricMatrix) -> Result<(), FactorError> {
         let symbolic = &self.symbolic;
         let roots: Vec<u32> = (0..symbolic.supernode_count() as u32)
             .filter(|&node| symbolic.parent[node as usize] == ROOT)

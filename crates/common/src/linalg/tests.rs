@@ -153,6 +153,7 @@ fn conjugate_gradients_agree_with_the_factor() {
     let report = conjugate_gradient(
         |v| matrix.multiply(v),
         |v| Mat::from_fn(400, 2, |i, j| v[(i, j)] / diagonal[i]),
+        |_| (),
         b.as_ref(),
         &mut x,
         CgTolerance::Relative(1e-12),

@@ -12,10 +12,10 @@ use super::box_qp::{BoxQp, BoxSolution};
 use super::{L1Knots, Problem, reweighted_l1};
 use crate::Space;
 use crate::knot_values::KnotValues;
+use crate::select::Run;
 use crate::select::sample::{Density, exact_sample};
-use crate::select::{Run, probe_scale};
 use crate::target::Centred;
-use crate::tests::{centred, space, target};
+use crate::tests::{centred, gram, space, target};
 
 /// Gap of the solutions that are compared.
 const GAP: f64 = 1e-9;
@@ -204,8 +204,8 @@ fn selected<'a>(space: &'a Space, target: &'a Centred, count: usize) -> L1Knots<
 /// Returns the root of the squared error of the best spline with these knots.
 fn error(space: &Space, target: &Centred, knots: Vec<u32>) -> f64 {
     let system = KnotValues::factor(space, knots).unwrap();
-    let scale = probe_scale(&system, target, 1);
-    let (f, _) = system.least_squares(target, &target.data, &scale, 1e-8, 400);
+    let gram = gram(&system, target, space.mesh());
+    let (f, _) = system.least_squares(target, &target.data, &gram, 1e-8, 400);
     (&target.data - f).norm_l2()
 }
 

@@ -11,7 +11,7 @@ use crate::select::voronoi::Graph;
 
 /// Cells, their vertices and their neighbours; knots are named by their index.
 #[derive(Debug)]
-pub(super) struct Rings {
+pub(crate) struct Rings {
     /// The cell of each vertex.
     cell: Vec<u32>,
     neighbours: Vec<Vec<u32>>,
@@ -21,8 +21,12 @@ pub(super) struct Rings {
 
 impl Rings {
     /// Finds the cells along mesh edges, in about `n log n`.
-    pub(super) fn build(mesh: &TriangleMesh, knots: &[u32]) -> Self {
-        let graph = Graph::build(mesh);
+    pub(crate) fn build(mesh: &TriangleMesh, knots: &[u32]) -> Self {
+        Self::along(&Graph::build(mesh), knots)
+    }
+
+    /// Finds the cells along the edges of a graph.
+    pub(crate) fn along(graph: &Graph, knots: &[u32]) -> Self {
         let cell = graph.cells(knots);
         let adjacency = graph.adjacency(&cell, knots.len());
         let neighbours = adjacency
@@ -49,47 +53,55 @@ impl Rings {
     }
 
     /// Returns the cell of every vertex.
-    pub(super) fn cells(&self) -> &[u32] {
+    pub(crate) fn cells(&self) -> &[u32] {
         &self.cell
     }
 
     /// Returns the number of cells.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.neighbours.len()
     }
 
     /// Returns the cell of a vertex.
-    pub(super) fn cell(&self, vertex: usize) -> usize {
+    pub(crate) fn cell(&self, vertex: usize) -> usize {
         self.cell[vertex] as usize
     }
 
     /// Returns the vertices of a cell, ascending.
-    pub(super) fn members(&self, cell: u32) -> &[u32] {
+    pub(crate) fn members(&self, cell: u32) -> &[u32] {
         &self.members[self.starts[cell as usize]..self.starts[cell as usize + 1]]
     }
 
     /// Returns the neighbours of a knot, ascending.
-    pub(super) fn neighbours(&self, knot: usize) -> &[u32] {
+    pub(crate) fn neighbours(&self, knot: usize) -> &[u32] {
         &self.neighbours[knot]
     }
 
     /// Returns the knots of a ring, ascending, the centre among them.
-    pub(super) fn around(&self, centre: usize, rings: u32) -> Vec<u32> {
-        let mut found = BTreeSet::from([centre as u32]);
-        let mut front = vec![centre as u32];
+    pub(crate) fn around(&self, centre: usize, rings: u32) -> Vec<u32> {
+        let mut found = self.around_by_ring(centre, rings);
+        found.sort_unstable();
+        found
+    }
+
+    /// Returns the knots of a ring, the centre first, then ring after ring.
+    pub(crate) fn around_by_ring(&self, centre: usize, rings: u32) -> Vec<u32> {
+        let mut found = vec![centre as u32];
+        let mut seen = BTreeSet::from([centre as u32]);
+        let mut front = 0;
         for _ in 0..rings {
-            let mut next = Vec::new();
-            for &knot in &front {
-                let around = self.neighbours[knot as usize].iter().copied();
-                next.extend(around.filter(|&other| found.insert(other)));
+            let end = found.len();
+            for at in front..end {
+                let around = &self.neighbours[found[at] as usize];
+                found.extend(around.iter().filter(|&&other| seen.insert(other)));
             }
-            front = next;
+            front = end;
         }
-        found.into_iter().collect()
+        found
     }
 
     /// Returns for each cell the ring around `centre` it lies in, `limit` for those beyond.
-    pub(super) fn distances(&self, centre: usize, limit: u8) -> Vec<u8> {
+    pub(crate) fn distances(&self, centre: usize, limit: u8) -> Vec<u8> {
         let mut distance = vec![limit; self.len()];
         distance[centre] = 0;
         let mut front = vec![centre as u32];
