@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use msplines_common::linalg::Mat;
 
 use super::scores::{Probes, removal_denominators};
-use super::voronoi::Graph;
+use super::voronoi::{Graph, largest_in_cells};
 use crate::knot_values::KnotValues;
 use crate::target::Centred;
 use crate::{FitError, Space};
@@ -78,6 +78,11 @@ impl<'a> State<'a> {
 
     /// Returns the knots that can go: up to `count`, cheapest first, none beside another.
     pub(super) fn cheapest(&self, count: usize) -> Vec<u32> {
+        self.cheapest_of(count, |_| true)
+    }
+
+    /// The same among the knots whose index `can_go`.
+    pub(super) fn cheapest_of(&self, count: usize, can_go: impl Fn(usize) -> bool) -> Vec<u32> {
         let seed = self.seed.wrapping_add(self.moves);
         let denominators = removal_denominators(&self.system, &self.probes.scale, seed);
         let coefficients = self.system.coefficients(&self.fitted);
@@ -99,15 +104,14 @@ impl<'a> State<'a> {
             })
             .collect();
         costs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let cells = self.graph.cells(self.knots());
-        let adjacency = self.graph.adjacency(&cells, self.knots().len());
+        let adjacency = self.adjacency(&self.cells());
         let mut blocked = vec![false; self.knots().len()];
         let mut chosen = Vec::with_capacity(count);
         for (_, k) in costs {
             if chosen.len() == count {
                 break;
             }
-            if !blocked[k as usize] {
+            if !blocked[k as usize] && can_go(k as usize) {
                 adjacency[k as usize]
                     .iter()
                     .for_each(|&other| blocked[other as usize] = true);
@@ -119,29 +123,48 @@ impl<'a> State<'a> {
 
     /// Returns the vertices most worth a knot: up to `count`, best first, one in a cell.
     pub(super) fn most_wanted(&self, count: usize) -> Vec<u32> {
-        let mut residual = &self.target.data - &self.fitted;
-        self.target.weigh_twice(&mut residual);
-        let gradient = self.system.solve_free(residual);
-        let cells = self.graph.cells(self.knots());
-        let mut best: Vec<(f64, u32)> = vec![(0.0, 0); self.knots().len()];
-        for (vertex, &cell) in cells.iter().enumerate() {
-            let denominator = self.probes.insertion[vertex];
-            if denominator > 0.0 {
-                let square: f64 = (0..gradient.ncols())
-                    .map(|c| gradient[(vertex, c)].powi(2))
-                    .sum();
-                let gain = square / denominator;
-                if gain > best[cell as usize].0 {
-                    best[cell as usize] = (gain, vertex as u32);
-                }
-            }
-        }
+        let mut best = largest_in_cells(&self.cells(), &self.gains(), self.knots().len());
         best.retain(|candidate| candidate.0 > 0.0);
         best.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         best.into_iter()
             .take(count)
             .map(|(_, vertex)| vertex)
             .collect()
+    }
+
+    /// Returns what a knot would gain at each vertex, zero at knots.
+    pub(super) fn gains(&self) -> Vec<f64> {
+        let mut residual = &self.target.data - &self.fitted;
+        self.target.weigh_twice(&mut residual);
+        let squares = row_squares(&self.system.solve_free(residual));
+        let gains = squares.into_iter().zip(&self.probes.insertion);
+        gains
+            .map(|(square, &denominator)| {
+                if denominator > 0.0 {
+                    square / denominator
+                } else {
+                    0.0
+                }
+            })
+            .collect()
+    }
+
+    /// Returns the distance of the spline to the data at each vertex, times its weight.
+    pub(super) fn distances(&self) -> Vec<f64> {
+        let mut residual = &self.target.data - &self.fitted;
+        self.target.weigh(&mut residual);
+        let squares = row_squares(&residual);
+        squares.into_iter().map(f64::sqrt).collect()
+    }
+
+    /// Returns the nearest knot (as its index) of every vertex.
+    pub(super) fn cells(&self) -> Vec<u32> {
+        self.graph.cells(self.knots())
+    }
+
+    /// Returns, for each knot, the knots whose cells touch its own.
+    pub(super) fn adjacency(&self, cells: &[u32]) -> Vec<BTreeSet<u32>> {
+        self.graph.adjacency(cells, self.knots().len())
     }
 
     /// Returns the state without some knots and with others, fitted again.
@@ -172,7 +195,7 @@ impl<'a> State<'a> {
     }
 
     /// Fits the knots, from the present spline on.
-    fn fit(&mut self, excess: f64) {
+    pub(super) fn fit(&mut self, excess: f64) {
         let (fitted, _) = self.system.least_squares(
             self.target,
             &self.fitted,
@@ -185,4 +208,9 @@ impl<'a> State<'a> {
         self.target.weigh(&mut residual);
         self.error = residual.squared_norm_l2();
     }
+}
+
+fn row_squares(rows: &Mat<f64>) -> Vec<f64> {
+    let square = |row| (0..rows.ncols()).map(|c| rows[(row, c)].powi(2)).sum();
+    (0..rows.nrows()).map(square).collect()
 }

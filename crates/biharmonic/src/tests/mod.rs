@@ -8,6 +8,7 @@ mod evaluation;
 mod explicit;
 mod fitting;
 mod points;
+mod polish;
 mod selection;
 mod weights;
 
