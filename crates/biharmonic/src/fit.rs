@@ -42,6 +42,8 @@ pub struct Report {
     pub eliminations: u32,
     /// Rounds of exchange, and how many of them were kept.
     pub exchanges: [u32; 2],
+    /// Rounds of polish, and how many of them were kept.
+    pub polish_rounds: [u32; 2],
     /// Rounds of the l1 selection.
     pub l1_rounds: u32,
     /// Numbers of knots that cross-validation tried, from many to few, with their scores.
@@ -168,6 +170,7 @@ fn fit_centred(
             residual: report.residual,
             eliminations: selected.eliminations,
             exchanges: selected.exchanges,
+            polish_rounds: selected.polish_rounds,
             l1_rounds: selected.l1_rounds,
             cross_validation: selected.cross_validation,
             warnings,
@@ -194,6 +197,7 @@ impl Report {
             residual: 0.0,
             eliminations: 0,
             exchanges: [0, 0],
+            polish_rounds: [0, 0],
             l1_rounds: 0,
             cross_validation: Vec::new(),
             warnings: Vec::new(),

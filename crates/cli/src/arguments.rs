@@ -148,6 +148,9 @@ pub(crate) struct BiharmonicChoices {
     /// How long knots are optimised.
     #[arg(long, value_enum, default_value_t = Effort::Standard)]
     pub(crate) effort: Effort,
+    /// Move a few knots in the end to lower the largest error, at up to 1 % more mean error.
+    #[arg(long)]
+    pub(crate) polish: bool,
     /// Use the Laplacian of the intrinsic Delaunay triangulation: slower, for badly shaped
     /// triangles.
     #[arg(long)]

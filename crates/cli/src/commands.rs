@@ -142,6 +142,7 @@ fn chosen(choices: &BiharmonicChoices, knots: Knots) -> BiharmonicMethod {
             Effort::Standard => msplines_biharmonic::Effort::Standard,
             Effort::Best => msplines_biharmonic::Effort::Best,
         },
+        polish: choices.polish,
         laplacian: if choices.intrinsic_delaunay {
             Laplacian::IntrinsicDelaunay
         } else {

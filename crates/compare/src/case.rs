@@ -232,6 +232,9 @@ pub struct BiharmonicMethod {
     pub selection: msplines_biharmonic::Selection,
     /// How long knots are optimised.
     pub effort: msplines_biharmonic::Effort,
+    /// Whether a few of them move in the end to lower the largest error.
+    #[serde(default)]
+    pub polish: bool,
     /// Discrete Laplacian.
     pub laplacian: msplines_biharmonic::Laplacian,
     /// Where the surface may have creases.
@@ -249,6 +252,7 @@ impl BiharmonicMethod {
             knots,
             selection: defaults.selection,
             effort: defaults.effort,
+            polish: defaults.polish,
             laplacian: defaults.laplacian,
             creases: CaseCreases::None,
             weights: None,

@@ -128,6 +128,7 @@ pub(crate) fn biharmonic_options(
         },
         selection: method.selection,
         effort: method.effort,
+        polish: method.polish,
         laplacian: method.laplacian,
         creases: match &method.creases {
             CaseCreases::None => biharmonic::CreaseChoice::None,
@@ -172,6 +173,8 @@ impl Fitted {
             ("eliminations", json!(report.eliminations)),
             ("exchanges", json!(report.exchanges[0])),
             ("exchanges_kept", json!(report.exchanges[1])),
+            ("polish_rounds", json!(report.polish_rounds[0])),
+            ("polish_rounds_kept", json!(report.polish_rounds[1])),
             ("l1_rounds", json!(report.l1_rounds)),
             ("crease_edges", json!(creases.len())),
         ];

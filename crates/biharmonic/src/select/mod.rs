@@ -1,4 +1,5 @@
 //! Choosing knots: a dense sample, backward elimination, then exchange; or other ways to compare with.
+//! Where the largest error matters more than a small rise of the mean, a polish follows.
 //!
 //! # Notation
 //! `r = S - f` the residual, `C` the weights of the vertices. A knot `i` can go at the cost
@@ -15,6 +16,7 @@ mod cross_validation;
 mod eliminate;
 mod exchange;
 mod l1;
+mod polish;
 mod sample;
 mod scores;
 mod state;
@@ -40,6 +42,7 @@ pub(crate) struct Selected {
     pub(crate) outcome: Outcome,
     pub(crate) eliminations: u32,
     pub(crate) exchanges: [u32; 2],
+    pub(crate) polish_rounds: [u32; 2],
     pub(crate) l1_rounds: u32,
     /// What the user should know.
     pub(crate) warnings: Vec<String>,
@@ -59,6 +62,7 @@ impl Selected {
             outcome,
             eliminations: 0,
             exchanges: [0, 0],
+            polish_rounds: [0, 0],
             l1_rounds: 0,
             warnings: Vec::new(),
             cross_validation: Vec::new(),
@@ -146,6 +150,11 @@ pub(crate) fn select(
         }
         Selection::L1 | Selection::Curvature | Selection::BlueNoise => [0, 0],
     };
+    let polish_rounds = if options.polish {
+        polish::polish(&mut state, &mut run)?
+    } else {
+        [0, 0]
+    };
     let outcome = if run.stopped {
         Outcome::Stopped
     } else {
@@ -158,6 +167,7 @@ pub(crate) fn select(
         outcome,
         eliminations,
         exchanges,
+        polish_rounds,
         l1_rounds,
         warnings,
         cross_validation: Vec::new(),

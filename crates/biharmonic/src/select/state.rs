@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use msplines_common::linalg::Mat;
 
 use super::scores::insertion_denominators;
-use super::voronoi::Graph;
+use super::voronoi::{Graph, largest_in_cells};
 use crate::gram::Gram;
 use crate::knot_values::KnotValues;
 use crate::rings::Rings;
@@ -19,6 +19,8 @@ pub(super) enum Precision {
     Rough,
     /// Good enough to compare two sets of knots.
     Fair,
+    /// Good enough to compare their largest errors.
+    Fine,
 }
 
 impl Precision {
@@ -27,6 +29,7 @@ impl Precision {
         match self {
             Self::Rough => 1e-2,
             Self::Fair => 2e-3,
+            Self::Fine => 1e-5,
         }
     }
 }
@@ -95,25 +98,14 @@ impl<'a> State<'a> {
 
     /// Returns the knots that can go: up to `count`, cheapest first, none beside another.
     pub(super) fn cheapest(&self, count: usize) -> Vec<u32> {
-        let denominators = &self.gram.removal;
-        let coefficients = self.system.coefficients(&self.fitted);
-        let mut costs: Vec<(f64, u32)> = denominators
-            .iter()
-            .enumerate()
-            .map(|(k, &denominator)| {
-                let square: f64 = (0..coefficients.ncols())
-                    .map(|c| coefficients[(k, c)].powi(2))
-                    .sum();
-                (
-                    if denominator > 0.0 {
-                        square / denominator
-                    } else {
-                        0.0
-                    },
-                    k as u32,
-                )
-            })
-            .collect();
+        self.cheapest_of(count, |_| true)
+    }
+
+    /// The same among the knots whose index `can_go`.
+    pub(super) fn cheapest_of(&self, count: usize, can_go: impl Fn(usize) -> bool) -> Vec<u32> {
+        let squares = row_squares(&self.system.coefficients(&self.fitted));
+        let costs = ratios(squares, &self.gram.removal);
+        let mut costs: Vec<(f64, u32)> = costs.into_iter().zip(0..).collect();
         costs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut blocked = vec![false; self.knots().len()];
         let mut chosen = Vec::with_capacity(count);
@@ -121,7 +113,7 @@ impl<'a> State<'a> {
             if chosen.len() == count {
                 break;
             }
-            if !blocked[k as usize] {
+            if !blocked[k as usize] && can_go(k as usize) {
                 let around = self.rings.neighbours(k as usize).iter();
                 around.for_each(|&other| blocked[other as usize] = true);
                 chosen.push(self.knots()[k as usize]);
@@ -132,30 +124,37 @@ impl<'a> State<'a> {
 
     /// Returns the vertices most worth a knot: up to `count`, best first, one in a cell.
     pub(super) fn most_wanted(&self, count: usize) -> Vec<u32> {
-        let mut residual = &self.target.data - &self.fitted;
-        self.target.weigh_twice(&mut residual);
-        let gradient = self.system.solve_free(residual);
-        let seed = self.seed.wrapping_add(self.moves);
-        let insertion = insertion_denominators(&self.system, self.target, seed);
-        let mut best: Vec<(f64, u32)> = vec![(0.0, 0); self.knots().len()];
-        for (vertex, &cell) in self.rings.cells().iter().enumerate() {
-            let denominator = insertion[vertex];
-            if denominator > 0.0 {
-                let square: f64 = (0..gradient.ncols())
-                    .map(|c| gradient[(vertex, c)].powi(2))
-                    .sum();
-                let gain = square / denominator;
-                if gain > best[cell as usize].0 {
-                    best[cell as usize] = (gain, vertex as u32);
-                }
-            }
-        }
+        let cells = self.rings.cells();
+        let mut best = largest_in_cells(cells, &self.gains(), self.knots().len());
         best.retain(|candidate| candidate.0 > 0.0);
         best.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         best.into_iter()
             .take(count)
             .map(|(_, vertex)| vertex)
             .collect()
+    }
+
+    /// Returns what a knot would gain at each vertex, zero at knots.
+    pub(super) fn gains(&self) -> Vec<f64> {
+        let mut residual = &self.target.data - &self.fitted;
+        self.target.weigh_twice(&mut residual);
+        let squares = row_squares(&self.system.solve_free(residual));
+        let seed = self.seed.wrapping_add(self.moves);
+        let denominators = insertion_denominators(&self.system, self.target, seed);
+        ratios(squares, &denominators)
+    }
+
+    /// Returns the distance of the spline to the data at each vertex, times its weight.
+    pub(super) fn distances(&self) -> Vec<f64> {
+        let mut residual = &self.target.data - &self.fitted;
+        self.target.weigh(&mut residual);
+        let squares = row_squares(&residual);
+        squares.into_iter().map(f64::sqrt).collect()
+    }
+
+    /// Returns the cells of the knots.
+    pub(super) fn rings(&self) -> &Rings {
+        &self.rings
     }
 
     /// Returns the state without some knots and with others, fitted again.
@@ -191,7 +190,7 @@ impl<'a> State<'a> {
     }
 
     /// Fits the knots, from the present spline on.
-    fn fit(&mut self, precision: Precision) {
+    pub(super) fn fit(&mut self, precision: Precision) {
         let (fitted, _) = self.system.least_squares(
             self.target,
             &self.fitted,
@@ -204,4 +203,19 @@ impl<'a> State<'a> {
         self.target.weigh(&mut residual);
         self.error = residual.squared_norm_l2();
     }
+}
+
+fn row_squares(rows: &Mat<f64>) -> Vec<f64> {
+    let square = |row| (0..rows.ncols()).map(|c| rows[(row, c)].powi(2)).sum();
+    (0..rows.nrows()).map(square).collect()
+}
+
+/// Returns the squares over the denominators, zero where these are.
+fn ratios(squares: Vec<f64>, denominators: &[f64]) -> Vec<f64> {
+    let pairs = squares.into_iter().zip(denominators);
+    let ratio = |(square, &denominator)| match denominator > 0.0 {
+        true => square / denominator,
+        false => 0.0,
+    };
+    pairs.map(ratio).collect()
 }

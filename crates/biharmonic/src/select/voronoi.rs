@@ -106,3 +106,15 @@ impl Graph {
         adjacency
     }
 }
+
+/// Returns, for each of `knots` cells, the largest value at its vertices and the first vertex that has
+/// it; zero where none is positive.
+pub(super) fn largest_in_cells(cells: &[u32], values: &[f64], knots: usize) -> Vec<(f64, u32)> {
+    let mut largest = vec![(0.0, 0); knots];
+    for (vertex, (&cell, &value)) in cells.iter().zip(values).enumerate() {
+        if value > largest[cell as usize].0 {
+            largest[cell as usize] = (value, vertex as u32);
+        }
+    }
+    largest
+}

@@ -9,6 +9,7 @@ mod explicit;
 mod fitting;
 mod gram;
 mod points;
+mod polish;
 mod selection;
 mod weights;
 

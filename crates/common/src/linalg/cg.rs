@@ -76,26 +76,16 @@ pub fn conjugate_gradient(
                 }
             })
             .collect();
-        for (side, step) in steps.iter().enumerate() {
-            for row in 0..x.nrows() {
-                x[(row, side)] += step * direction[(row, side)];
-                residual[(row, side)] -= step * image[(row, side)];
-            }
-        }
+        add_multiples(x, &steps, 1.0, &direction);
+        add_multiples(&mut residual, &steps, -1.0, &image);
         stepped(&steps);
         let preconditioned = precondition(residual.as_ref());
         let next = column_products(residual.as_ref(), preconditioned.as_ref());
-        for side in 0..x.ncols() {
-            let ratio = if product[side] > 0.0 {
-                next[side] / product[side]
-            } else {
-                0.0
-            };
-            for row in 0..x.nrows() {
-                direction[(row, side)] =
-                    preconditioned[(row, side)] + ratio * direction[(row, side)];
-            }
-        }
+        let ratios: Vec<f64> = (next.iter().zip(&product))
+            .map(|(next, before)| if *before > 0.0 { next / before } else { 0.0 })
+            .collect();
+        let before = std::mem::replace(&mut direction, preconditioned);
+        add_multiples(&mut direction, &ratios, 1.0, &before);
         product = next;
         iterations += 1;
     }
@@ -108,6 +98,15 @@ pub fn conjugate_gradient(
         iterations,
         residual: ratios.fold(0.0, f64::max).sqrt(),
         converged,
+    }
+}
+
+/// Adds a multiple of each column of `y` to that of `x`.
+fn add_multiples(x: &mut Mat<f64>, factors: &[f64], sign: f64, y: &Mat<f64>) {
+    for (side, factor) in factors.iter().enumerate() {
+        for row in 0..x.nrows() {
+            x[(row, side)] += sign * factor * y[(row, side)];
+        }
     }
 }
 
