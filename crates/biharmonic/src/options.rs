@@ -98,11 +98,12 @@ impl CreaseChoice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Effort {
-    /// Elimination and a single round of exchanges.
+    /// Elimination from three candidates a knot, and a single round of exchanges.
     Fast,
-    /// Elimination and a few rounds of exchanges: most of what can be gained.
+    /// Slower elimination from four candidates a knot, and a few rounds of exchanges: most of what
+    /// can be gained.
     Standard,
-    /// Slower elimination from more candidates, and exchanges until they gain nothing.
+    /// The slowest elimination, and exchanges until they gain little.
     Best,
 }
 
