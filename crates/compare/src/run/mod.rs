@@ -287,7 +287,9 @@ fn component_names(options: &Value, dimension: usize) -> Vec<String> {
     let names = |names: [&str; 3]| names.map(str::to_owned).to_vec();
     match serde_json::from_value(options["data"].clone()) {
         Ok(Data::Positions) if dimension == 3 => names(["x", "y", "z"]),
-        Ok(Data::ColourPattern) if dimension == 3 => names(["red", "green", "blue"]),
+        Ok(Data::ColourPattern | Data::ColourImage) if dimension == 3 => {
+            names(["red", "green", "blue"])
+        }
         Ok(Data::Attributes(names)) if names.len() == dimension => names,
         _ => (0..dimension)
             .map(|component| format!("value_{component}"))
