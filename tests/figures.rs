@@ -56,6 +56,18 @@ fn mean(record: &Record) -> f64 {
 }
 
 #[test]
+fn figure_3_keeps_more_of_an_image_at_optimised_knots() {
+    let pair = records("figure3", &["genus-8-3-exchange", "genus-8-3-blue-noise"]);
+    let [optimised, even] = pair.as_slice() else {
+        panic!("two rows");
+    };
+    assert_eq!(optimised.input.genus, Some(8));
+    assert_eq!(optimised.dofs, even.dofs);
+    let decibels = |record: &Record| record.error.as_ref().and_then(|error| error.psnr_db);
+    assert!(decibels(optimised) > decibels(even));
+}
+
+#[test]
 fn figure_4_has_biharmonic_splines_below_least_squares_meshes_at_equal_counts() {
     for count in ["100", "200", "400"] {
         let ids = ["biharmonic", "ls-mesh"].map(|method| format!("bumpy-sphere-{method}-{count}"));
