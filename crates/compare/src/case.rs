@@ -159,8 +159,10 @@ pub enum Data {
     Attributes(Vec<String>),
     /// A NumPy array of one row for every vertex.
     Array(PathBuf),
-    /// A picture-like colour of every point: see [`crate::generated::colour_pattern`].
+    /// A colour of every point, as hard everywhere: see [`crate::generated::colour_pattern`].
     ColourPattern,
+    /// An image-like colour of every point: see [`crate::generated::colour_image`].
+    ColourImage,
 }
 
 /// How a spline file names its domain.

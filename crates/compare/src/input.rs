@@ -15,7 +15,7 @@ use crate::arrays::read_rows;
 use crate::case::{Data, Input};
 use crate::clock::PhaseClock;
 use crate::error::{RunError, SplineFileError};
-use crate::generated::{colour_pattern, mesh_digest};
+use crate::generated::{colour_image, colour_pattern, mesh_digest};
 use crate::record::{InputFacts, InputKind};
 use crate::spline_file::{SplineFile, StoredDomain};
 
@@ -221,9 +221,12 @@ pub fn fit_data(data: &Data, input: &LoadedInput) -> Result<FitData, RunError> {
             names: names(["x", "y", "z"]),
             scale: input.mesh.diagonal(),
         }),
-        Data::ColourPattern => Ok(FitData {
+        Data::ColourPattern | Data::ColourImage => Ok(FitData {
             dimension: 3,
-            values: colour_pattern(&input.mesh),
+            values: match data {
+                Data::ColourImage => colour_image(&input.mesh),
+                _ => colour_pattern(&input.mesh),
+            },
             names: names(["red", "green", "blue"]),
             scale: 1.0,
         }),

@@ -46,7 +46,7 @@ pub fn against_data(input: &LoadedInput, data: &FitData, values: &[f64], kind: &
     let [low, high] = input.mesh.bounding_box();
     let unit_cube = match kind {
         Data::Positions => unit_cube_error(fitted, &data.values, (high - low).max()).ok(),
-        Data::Attributes(_) | Data::Array(_) | Data::ColourPattern => None,
+        Data::Attributes(_) | Data::Array(_) | Data::ColourPattern | Data::ColourImage => None,
     };
     Measured {
         error,

@@ -149,13 +149,8 @@ pub fn write_row_files(folder: &Path, output: &RunOutput) -> Result<(), RunError
         &output.names,
         &output.fields,
     )?;
-    // The vertices of the domain come first on every subdivision.
-    let places = output.spline.spline.knots().iter();
-    let positions: Vec<Point3<f64>> = places
-        .map(|&v| output.mesh.positions()[v as usize])
-        .collect();
     let points = Surface {
-        positions: &positions,
+        positions: &output.knots,
         faces: &[],
         attributes: &[],
     };
@@ -193,7 +188,52 @@ fn extension(path: &Path) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Instant;
+
+    use msplines_common::Vector3;
+    use msplines_common::progress::unobserved;
+    use msplines_io::read_points;
+
     use super::*;
+    use crate::case::{Case, Input, Knots, Method};
+    use crate::generated::GeneratedSurface;
+    use crate::run::run;
+
+    #[test]
+    fn knots_inside_faces_are_written_at_their_places() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let surface = GeneratedSurface::BumpySphere500;
+        let mesh = surface.mesh();
+        let faces = mesh.faces().iter().step_by(20);
+        let corners = |face: &[u32; 3]| face.map(|vertex| mesh.positions()[vertex as usize].coords);
+        let mut places: Vec<Point3<f64>> = faces
+            .map(|face| Point3::from(corners(face).iter().sum::<Vector3<f64>>() / 3.0))
+            .collect();
+        places.push(mesh.positions()[7]);
+        let file = folder.path().join("places.ply");
+        let points = Surface {
+            positions: &places,
+            faces: &[],
+            attributes: &[],
+        };
+        write_surface(&file, &points).expect("written");
+        for subdivide in [0, 1] {
+            let method = Method::biharmonic(Knots::At(file.clone()));
+            let case = Case {
+                subdivide,
+                ..Case::new(Input::Surface(surface), method)
+            };
+            let output = run(&case, Instant::now(), &mut unobserved()).expect("a result");
+            write_row_files(folder.path(), &output).expect("written");
+            let written = read_points(&folder.path().join(ROW_KNOTS)).expect("points");
+            assert_eq!(written.len(), places.len());
+            for place in &places {
+                let apart = written.iter().map(|knot| (knot - place).norm());
+                let nearest = apart.fold(f64::INFINITY, f64::min);
+                assert!(nearest < 1e-12 * mesh.diagonal(), "{nearest}");
+            }
+        }
+    }
 
     #[test]
     fn outputs_are_refused_before_any_work() {

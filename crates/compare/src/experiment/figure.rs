@@ -205,7 +205,8 @@ pub enum Corner {
     BottomRight,
 }
 
-/// A plot: one point per row and one series per method, or per `series` of the rows.
+/// A plot: one point per row and one series per [`Row::series`](super::Row::series), or one series
+/// per row along its history.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plot {

@@ -373,7 +373,7 @@ fn entries(folder: &Path) -> Result<Vec<std::path::PathBuf>, ExperimentError> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::case::{Amount, Input, Knots, Method};
+    use crate::case::{Amount, Data, Input, Knots, Method};
 
     const HEAD: &str =
         "schema = \"msplines.experiment/1\"\npaper = \"p\"\nitem = \"i\"\ntitle = \"t\"\n";
@@ -408,6 +408,21 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn a_row_of_colours_names_its_data_and_its_series() {
+        let row = "surface = \"genus-8\"\nknots = \"5%\"\n";
+        let colours = "data = \"colour-image\"\nselection = \"blue-noise\"\n";
+        let experiment = parse(&format!("{row}{colours}")).expect("a good row");
+        let colours = &experiment.rows[0];
+        assert_eq!(colours.data.data(), Data::ColourImage);
+        assert!(colours.data.are_colours());
+        assert_eq!(colours.series(), "biharmonic B-spline, blue noise");
+        let experiment = parse(row).expect("a good row");
+        let plain = &experiment.rows[0];
+        assert!(!plain.data.are_colours());
+        assert_eq!(plain.series(), "biharmonic B-spline");
+    }
+
+    #[test]
     fn contradictions_are_refused_with_file_and_row() {
         let bad = [
             ("knots = \"5\"\n", "either `model` or `surface`"),
@@ -427,6 +442,10 @@ pub(crate) mod tests {
             ),
             ("knots = \"5\"\nmodel = \"m\"\nknot = 3\n", "unknown field"),
             ("model = \"m\"\n", "either `knots` or `knots_from`"),
+            (
+                "knots = \"5\"\nmodel = \"m\"\ninside_faces = true\n",
+                "`inside_faces` goes with `knots_from`",
+            ),
             (
                 "model = \"m\"\nknots_from = \"a\"\n",
                 "must stand before it",

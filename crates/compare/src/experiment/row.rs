@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use msplines_biharmonic::Selection;
 use serde::{Deserialize, Serialize};
 
 use super::RowFrames;
@@ -26,7 +27,8 @@ pub struct Row {
     pub method: MethodName,
     /// Knots or control vertices: a count, a percentage, or `all`.
     pub knots: Option<String>,
-    /// Another row of this experiment: the knots are the vertices nearest to its knots.
+    /// Another row of this experiment: the knots are the vertices nearest to its knots, or
+    /// with `inside_faces` the points nearest to them.
     pub knots_from: Option<String>,
     /// Another row of this experiment, to whose surface the distance is measured.
     pub compared_with: Option<String>,
@@ -36,7 +38,7 @@ pub struct Row {
     /// Frames of an animation, in place of one surface.
     pub over_time: Option<RowFrames>,
     /// How knots are chosen; the method's default where absent.
-    pub selection: Option<msplines_biharmonic::Selection>,
+    pub selection: Option<Selection>,
     /// Degrees beyond which edges are creases; none where absent.
     pub creases: Option<f64>,
     /// Effort of the knot optimisation; the method's default where absent.
@@ -126,8 +128,28 @@ pub enum RowData {
     /// Vertex positions.
     #[default]
     Positions,
-    /// The generated colours.
+    /// Generated colours that are as hard everywhere.
     ColourPattern,
+    /// Generated colours that are like an image.
+    ColourImage,
+}
+
+impl RowData {
+    /// Returns what is fitted at the vertices.
+    #[must_use]
+    pub fn data(self) -> Data {
+        match self {
+            Self::Positions => Data::Positions,
+            Self::ColourPattern => Data::ColourPattern,
+            Self::ColourImage => Data::ColourImage,
+        }
+    }
+
+    /// Returns whether these are colours, whose errors are said in decibels.
+    #[must_use]
+    pub fn are_colours(self) -> bool {
+        matches!(self, Self::ColourPattern | Self::ColourImage)
+    }
 }
 
 /// What a paper prints. Errors are fractions, times seconds.
@@ -190,6 +212,9 @@ impl Row {
                 self.method.name()
             )),
             (None, Some(_)) => None,
+            (Some(_), None) if self.inside_faces => {
+                Some("`inside_faces` goes with `knots_from`; leave it out".to_owned())
+            }
             (Some(text), None) if takes_places => text.parse::<Knots>().err().map(|e| refused(&e)),
             (Some(text), None) => text.parse::<Amount>().err().map(|e| refused(&e)),
         }
@@ -203,6 +228,22 @@ impl Row {
             (None, Some(row)) => format!("those of {row}"),
             (None, None) => String::new(),
         }
+    }
+
+    /// Returns what the rows have in common that a plot connects: the method, and the selection of
+    /// knots where the row names it.
+    #[must_use]
+    pub fn series(&self) -> String {
+        let title = self.method.title();
+        let selection = match self.selection {
+            None => return title.to_owned(),
+            Some(Selection::Exchange) => "exchange",
+            Some(Selection::L1) => "l1",
+            Some(Selection::L1Exchange) => "l1, then exchange",
+            Some(Selection::Curvature) => "curvature",
+            Some(Selection::BlueNoise) => "blue noise",
+        };
+        format!("{title}, {selection}")
     }
 
     /// Returns the run of this row on `input`.
@@ -229,12 +270,8 @@ impl Row {
                 method.creases = CaseCreases::SharperThan(degrees);
             }
         }
-        let data = match self.data {
-            RowData::Positions => Data::Positions,
-            RowData::ColourPattern => Data::ColourPattern,
-        };
         Ok(Case {
-            data,
+            data: self.data.data(),
             subdivide: self.subdivide,
             scheme: self.scheme,
             double_cover: self.double_cover,

@@ -126,7 +126,7 @@ pub fn error_quantity(report: &RowReport) -> Quantity {
         .record()
         .and_then(|record| record.error.as_ref());
     let over_time = report.row.over_time.is_some();
-    let in_decibels = over_time || report.row.data == crate::experiment::RowData::ColourPattern;
+    let in_decibels = over_time || report.row.data.are_colours();
     let mut quantity = if in_decibels {
         let ours = error.and_then(|error| error.psnr_db);
         Quantity::new("psnr_db", Unit::Decibel, printed.psnr_db, ours)

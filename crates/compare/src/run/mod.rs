@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use msplines_common::Point3;
 use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_common::progress::{Observer, Outcome, Progress};
 use serde_json::{Value, json};
@@ -43,6 +44,8 @@ pub struct RunOutput {
     pub names: Vec<String>,
     /// Further numbers at the vertices of the mesh, for pictures.
     pub fields: Vec<VertexAttribute>,
+    /// Places of the knots or control vertices on the domain.
+    pub knots: Vec<Point3<f64>>,
     /// Frames of an animation that pictures show; the spline and its values are those of the last.
     pub frames: Vec<ShownFrame>,
 }
@@ -109,6 +112,7 @@ pub fn run(
     record.warnings.extend(fitted.warnings);
     Ok(RunOutput {
         record,
+        knots: spline.spline.knot_places(&input.mesh),
         spline,
         mesh,
         values,
@@ -251,6 +255,7 @@ pub fn evaluate(
     let record = record(&input, &spline, summary, &mut clock);
     Ok(RunOutput {
         record,
+        knots: spline.spline.knot_places(&input.mesh),
         spline,
         mesh,
         values,
@@ -282,7 +287,9 @@ fn component_names(options: &Value, dimension: usize) -> Vec<String> {
     let names = |names: [&str; 3]| names.map(str::to_owned).to_vec();
     match serde_json::from_value(options["data"].clone()) {
         Ok(Data::Positions) if dimension == 3 => names(["x", "y", "z"]),
-        Ok(Data::ColourPattern) if dimension == 3 => names(["red", "green", "blue"]),
+        Ok(Data::ColourPattern | Data::ColourImage) if dimension == 3 => {
+            names(["red", "green", "blue"])
+        }
         Ok(Data::Attributes(names)) if names.len() == dimension => names,
         _ => (0..dimension)
             .map(|component| format!("value_{component}"))

@@ -162,6 +162,23 @@ impl StoredSpline {
         }
     }
 
+    /// Returns the places of the knots or control vertices on the domain `mesh`.
+    ///
+    /// # Panics
+    /// If the spline belongs to another mesh.
+    #[must_use]
+    pub fn knot_places(&self, mesh: &TriangleMesh) -> Vec<Point3<f64>> {
+        let added = match self {
+            Self::Biharmonic(spline) => spline.added_points.as_slice(),
+            Self::LsMesh { .. } => &[],
+        };
+        let place = |&knot: &u32| match mesh.positions().get(knot as usize) {
+            Some(vertex) => *vertex,
+            None => mesh.position(added[knot as usize - mesh.vertex_count()]),
+        };
+        self.knots().iter().map(place).collect()
+    }
+
     /// Returns the values at the vertices of `mesh`, or of its midpoint subdivision after `rounds`
     /// rounds, with the mesh they belong to.
     ///

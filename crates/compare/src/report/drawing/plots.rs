@@ -11,7 +11,7 @@ use crate::record::Record;
 /// Width and height of a plot in pixels.
 const SIZE: [u32; 2] = [720, 480];
 
-/// The points of one method, or of one row along its history.
+/// The points of one series of rows, or of one row along its history.
 struct Line {
     name: String,
     points: Vec<[f64; 2]>,
@@ -24,7 +24,7 @@ pub(super) fn plot(item: &ItemReport, plot: &Plot) -> Option<DrawnPlot> {
     let lines = if plot.x.is_history() {
         rows.iter().filter_map(|row| history(row, plot)).collect()
     } else {
-        methods(&rows, [plot.x, plot.y])
+        series(&rows, [plot.x, plot.y])
     };
     let picture = draw([plot.x, plot.y], &lines, None)?;
     Some(DrawnPlot {
@@ -47,7 +47,7 @@ pub(super) fn pareto(item: &ItemReport) -> Vec<DrawnPlot> {
         let name = rows[0].row.label.split(',').next().unwrap_or_default();
         for (x, what) in [(Axis::Dofs, "free coefficients"), (Axis::Seconds, "time")] {
             let axes = [x, Axis::Distance];
-            let lines = methods(&rows, axes);
+            let lines = series(&rows, axes);
             let front = front(lines.iter().flat_map(|line| line.points.iter().copied()));
             let Some(picture) = draw(axes, &lines, Some(&front)) else {
                 continue;
@@ -78,22 +78,28 @@ fn front(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     front
 }
 
-/// Returns the points of every method, from left to right.
-fn methods(rows: &[&RowReport], axes: [Axis; 2]) -> Vec<Line> {
-    let mut lines = Vec::new();
+/// Returns the points of every series of rows, from left to right.
+fn series(rows: &[&RowReport], axes: [Axis; 2]) -> Vec<Line> {
+    let mut lines: Vec<Line> = Vec::new();
     for method in [MethodName::Biharmonic, MethodName::LsMesh] {
-        let of_method = rows.iter().filter(|row| row.row.method == method);
-        let mut points: Vec<[f64; 2]> = of_method
-            .filter_map(|row| {
-                let record = row.result.record()?;
-                Some([value(record, axes[0])?, value(record, axes[1])?])
-            })
-            .collect();
-        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        if !points.is_empty() {
-            let name = method.title().to_owned();
-            lines.push(Line { name, points });
+        for row in rows.iter().filter(|row| row.row.method == method) {
+            let record = row.result.record();
+            let point = record.and_then(|r| Some([value(r, axes[0])?, value(r, axes[1])?]));
+            let Some(point) = point else {
+                continue;
+            };
+            let name = row.row.series();
+            match lines.iter_mut().find(|line| line.name == name) {
+                Some(line) => line.points.push(point),
+                None => lines.push(Line {
+                    name,
+                    points: vec![point],
+                }),
+            }
         }
+    }
+    for line in &mut lines {
+        line.points.sort_by(|a, b| a[0].total_cmp(&b[0]));
     }
     lines
 }

@@ -11,6 +11,8 @@ use crate::experiment::{FieldColours, FieldScale, Panel};
 const SPANNED: f64 = 0.98;
 /// What stands above the scale of errors.
 const ERRORS: &str = "% of diagonal";
+/// What stands above the scale of errors of colours.
+const COLOUR_ERRORS: &str = "% of a channel";
 /// Height of a bar beside the panels of a page in pixels, drawn twice as large.
 const BAR_HEIGHT: usize = 480;
 
@@ -87,14 +89,18 @@ impl Scales {
 
 fn scale<'a>(measure: &Measure, subjects: impl Iterator<Item = &'a Subject<'a>>) -> Option<Scale> {
     match measure {
-        Measure::Error => {
+        Measure::Error | Measure::ColourError => {
             let fitted = subjects.filter_map(|subject| subject.source.fitted.as_ref().ok());
             let highest = fitted
                 .map(|fitted| 100.0 * fitted.error_quantile(SPANNED))
                 .fold(0.0, f64::max);
             (highest > 0.0).then(|| Scale {
                 colours: ColourScale::linear(ColourMap::ColdWarm, [0.0, highest]),
-                label: ERRORS.to_owned(),
+                label: if *measure == Measure::Error {
+                    ERRORS.to_owned()
+                } else {
+                    COLOUR_ERRORS.to_owned()
+                },
             })
         }
         Measure::Field { name, colours } => {

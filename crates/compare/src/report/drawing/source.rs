@@ -10,7 +10,7 @@ use msplines_picture::{Rgb, edges};
 
 use super::frames;
 use crate::campaign::{RowReport, Sources};
-use crate::case::{Data, Input};
+use crate::case::Input;
 use crate::clock::PhaseClock;
 use crate::experiment::{RowData, ViewHint};
 use crate::input::{FitData, LoadedInput, fit_data, load, read_surface};
@@ -181,15 +181,12 @@ impl Fitted {
         if spline.vertex_count() < input.mesh.vertex_count() {
             return Err(missing());
         }
-        let fitted = match data {
-            RowData::Positions => Data::Positions,
-            RowData::ColourPattern => Data::ColourPattern,
-        };
-        let fitted = fit_data(&fitted, input).map_err(|e| e.to_string())?;
+        let fitted = fit_data(&data.data(), input).map_err(|e| e.to_string())?;
         let values = values(spline, attributes, &fitted)?;
         Ok(Self {
             errors: errors(&fitted, &values),
-            colours: (data == RowData::ColourPattern)
+            colours: data
+                .are_colours()
                 .then(|| [colours(&fitted.values), colours(&values)]),
         })
     }

@@ -38,8 +38,10 @@ pub(super) enum Values {
 /// What numbers measure: those that measure the same are painted by the same scale.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Measure {
-    /// Errors in percent.
+    /// Errors in percent of the diagonal.
     Error,
+    /// Errors of colours in percent of the range of a channel.
+    ColourError,
     /// A field by its name.
     Field { name: String, colours: FieldColours },
 }
@@ -65,7 +67,11 @@ impl<'a> Subject<'a> {
             Show::Spline => of_data(1),
             Show::Error => fitted().map(|fitted| Values::Scalars {
                 values: fitted.errors.iter().map(|error| 100.0 * error).collect(),
-                measure: Measure::Error,
+                measure: if fitted.colours.is_some() {
+                    Measure::ColourError
+                } else {
+                    Measure::Error
+                },
             }),
             Show::Knots => Ok(Values::Bare),
             Show::Field => field(panel, source),

@@ -239,6 +239,7 @@ fn finish(
     let are_positions = over_time.animation.are_positions();
     Ok(RunOutput {
         record,
+        knots: spline.spline.knot_places(&input.mesh),
         spline,
         mesh,
         values,

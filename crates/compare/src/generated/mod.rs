@@ -1,6 +1,7 @@
 //! Surfaces and data made from formulas, so that everything runs without a single model file.
 
-use std::f64::consts::TAU;
+mod colours;
+
 use std::fmt;
 use std::str::FromStr;
 
@@ -9,6 +10,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::input::hexadecimal;
+
+pub use colours::{colour_image, colour_pattern};
 
 /// About how many vertices each surface has.
 const VERTICES: usize = 20_000;
@@ -142,34 +145,6 @@ pub fn mesh_digest(mesh: &TriangleMesh) -> String {
     hexadecimal(&digest.finalize())
 }
 
-/// Returns a picture-like colour of every vertex, `[vertex][red, green, blue]` in [0, 1].
-///
-/// Like a photograph it has smooth shading, fine texture and sharp edges: a sinusoidal gradient in
-/// each channel, ripples of a twelfth of the size, and rings where the colour jumps.
-#[must_use]
-pub fn colour_pattern(mesh: &TriangleMesh) -> Vec<f64> {
-    let [low, high] = mesh.bounding_box();
-    let size = (high - low).max().max(f64::MIN_POSITIVE);
-    let mut values = Vec::with_capacity(3 * mesh.vertex_count());
-    for position in mesh.positions() {
-        let [x, y, z] = ((position - low) / size).into();
-        let ripple = 0.08 * (12.0 * TAU * (x + 0.5 * y)).sin() * (9.0 * TAU * z).cos();
-        let radius = ((x - 0.5).powi(2) + (y - 0.4).powi(2) + (z - 0.3).powi(2)).sqrt();
-        let ring = if (10.0 * radius).fract() < 0.5 {
-            0.18
-        } else {
-            -0.18
-        };
-        let shade = [
-            0.5 + 0.2 * (TAU * (x + 0.3 * z)).sin() + ring,
-            0.5 + 0.2 * (TAU * (y - 0.2 * x)).cos() - 0.5 * ring,
-            0.5 + 0.2 * (TAU * (z + 0.4 * y)).sin() + 0.3 * ring,
-        ];
-        values.extend(shade.map(|c| (c + ripple).clamp(0.0, 1.0)));
-    }
-    values
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -191,14 +166,11 @@ mod tests {
     }
 
     #[test]
-    fn generated_surfaces_and_colours_are_the_same_every_time() {
+    fn generated_surfaces_are_the_same_every_time() {
         let mesh = GeneratedSurface::BumpySphere.mesh();
         assert_eq!(
             mesh_digest(&mesh),
             mesh_digest(&GeneratedSurface::BumpySphere.mesh())
         );
-        let colours = colour_pattern(&mesh);
-        assert_eq!(colours.len(), 3 * mesh.vertex_count());
-        assert!(colours.iter().all(|c| (0.0..=1.0).contains(c)));
     }
 }
