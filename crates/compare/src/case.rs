@@ -29,6 +29,9 @@ pub struct Case {
     pub subdivide: u32,
     /// Where that subdivision puts its vertices.
     pub scheme: Scheme,
+    /// Rounds of Loop's subdivision that the input goes through before anything else.
+    #[serde(default)]
+    pub refine: u32,
     /// Whether the spline lives on the double cover of the input instead.
     pub double_cover: bool,
     /// Whether the two-sided distance between the surfaces is measured as well.
@@ -54,6 +57,7 @@ impl Case {
             seed: 0,
             subdivide: 0,
             scheme: Scheme::Planar,
+            refine: 0,
             double_cover: false,
             measure_distance: false,
             reference: None,

@@ -5,7 +5,7 @@ use std::path::Path;
 use msplines_common::Point3;
 use msplines_common::mesh::{
     Facts, Policy, PolygonSoup, SurfacePoint, TriangleMesh, VertexAttribute, accept, double_cover,
-    split_at,
+    split_at, subdivide_loop,
 };
 use msplines_common::metrics::SurfaceTree;
 use msplines_io::{read_points, read_soup, sha256_file};
@@ -33,6 +33,24 @@ pub struct LoadedInput {
 }
 
 impl LoadedInput {
+    /// Returns the input after rounds of Loop's subdivision, a smoother mesh of four times as many
+    /// faces each, under the name and digest of the file. Its attributes are left behind.
+    #[must_use]
+    pub fn refined(self, rounds: u32) -> Self {
+        let mesh = subdivide_loop(&self.mesh, rounds);
+        let facts = InputFacts {
+            vertices: mesh.vertex_count() as u64,
+            faces: mesh.face_count() as u64,
+            ..self.facts
+        };
+        Self {
+            mesh,
+            facts,
+            attributes: Vec::new(),
+            warnings: self.warnings,
+        }
+    }
+
     /// Returns the double cover of the input, whose facts stay those of the file.
     ///
     /// # Errors

@@ -49,6 +49,9 @@ pub struct Row {
     /// Where that subdivision puts its vertices.
     #[serde(default)]
     pub scheme: msplines_biharmonic::Scheme,
+    /// Rounds of Loop's subdivision that the model or surface goes through before anything else.
+    #[serde(default)]
+    pub refine: u32,
     /// Whether the spline lives on the double cover of the input.
     #[serde(default)]
     pub double_cover: bool,
@@ -274,6 +277,7 @@ impl Row {
             data: self.data.data(),
             subdivide: self.subdivide,
             scheme: self.scheme,
+            refine: self.refine,
             double_cover: self.double_cover,
             task: self.task.clone().unwrap_or_default(),
             measure_distance: self.measure_distance,

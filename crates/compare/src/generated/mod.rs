@@ -28,6 +28,12 @@ pub enum GeneratedSurface {
     /// The same with about 500 vertices.
     #[serde(rename = "bumpy-sphere-500")]
     BumpySphere500,
+    /// The same with about 100,000 vertices.
+    #[serde(rename = "bumpy-sphere-100k")]
+    BumpySphere100k,
+    /// The same with about 1,000,000 vertices.
+    #[serde(rename = "bumpy-sphere-1m")]
+    BumpySphere1m,
     /// The same with 8,000 vertices of an irregular mesh.
     BumpySphereIrregular,
     /// A tube around a torus knot, genus 1.
@@ -48,7 +54,7 @@ pub enum GeneratedSurface {
 
 impl GeneratedSurface {
     /// All of them.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::BumpySphere,
         Self::BumpySphere5k,
         Self::BumpySphere500,
@@ -60,6 +66,8 @@ impl GeneratedSurface {
         Self::Sphere,
         Self::Vase,
         Self::Nut,
+        Self::BumpySphere100k,
+        Self::BumpySphere1m,
     ];
 
     /// Returns the name in experiments and records.
@@ -69,6 +77,8 @@ impl GeneratedSurface {
             Self::BumpySphere => "bumpy-sphere",
             Self::BumpySphere5k => "bumpy-sphere-5k",
             Self::BumpySphere500 => "bumpy-sphere-500",
+            Self::BumpySphere100k => "bumpy-sphere-100k",
+            Self::BumpySphere1m => "bumpy-sphere-1m",
             Self::BumpySphereIrregular => "bumpy-sphere-irregular",
             Self::TorusKnot => "torus-knot",
             Self::Genus2 => "genus-2",
@@ -87,6 +97,8 @@ impl GeneratedSurface {
             Self::BumpySphere => shapes::bumpy_sphere(VERTICES),
             Self::BumpySphere5k => shapes::bumpy_sphere(5_000),
             Self::BumpySphere500 => shapes::bumpy_sphere(500),
+            Self::BumpySphere100k => shapes::bumpy_sphere(100_000),
+            Self::BumpySphere1m => shapes::bumpy_sphere(1_000_000),
             Self::BumpySphereIrregular => irregular(&shapes::bumpy_sphere(2 * VERTICES), 8_000),
             Self::TorusKnot => shapes::torus_knot(2, 3, VERTICES),
             Self::Genus2 => shapes::genus(2, VERTICES),
@@ -125,7 +137,7 @@ impl FromStr for GeneratedSurface {
 /// No surface of this name can be generated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no surface `{name}`; there are bumpy-sphere (also -5k, -500, -irregular), torus-knot, genus-2, genus-3, genus-8, sphere, vase and nut"
+    "no surface `{name}`; there are bumpy-sphere (also -500, -5k, -100k, -1m, -irregular), torus-knot, genus-2, genus-3, genus-8, sphere, vase and nut"
 )]
 pub struct UnknownSurface {
     /// The name.

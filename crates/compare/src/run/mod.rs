@@ -66,6 +66,9 @@ pub fn run(
     let mut clock = PhaseClock::start(process_start);
     announce("read", observer);
     let mut input = load(&case.input, &mut clock)?;
+    if case.refine > 0 {
+        input = input.refined(case.refine);
+    }
     if case.double_cover {
         input = input.double_cover()?;
     }
