@@ -6,9 +6,6 @@ use msplines_common::mesh::TriangleMesh;
 use msplines_common::progress::{Observer, Outcome, Progress};
 use serde::{Deserialize, Serialize};
 
-use crate::gram::Gram;
-use crate::knot_values::KnotValues;
-use crate::rings::Rings;
 use crate::select::{Selected, Trial, select, select_cross_validated};
 use crate::target::{Centred, Target};
 use crate::{BiharmonicSpline, FitError, KnotChoice, Options, Space};
@@ -137,16 +134,14 @@ fn fit_centred(
     space.bilaplacian()?;
     stopped |= observer(&Progress::new("domain", 1, 1)).is_break();
     let selected = match given {
-        Given::Knots(knots) => Selected::given(knots, stopped),
+        Given::Knots(knots) => Selected::given(space, target, knots, stopped)?,
         Given::Count(count) => select(space, target, count, options, stopped, observer)?,
         Given::Points => return Err(FitError::PointsOutsideSpace),
         Given::CrossValidated => select_cross_validated(space, target, options, stopped, observer)?,
     };
     let mut warnings = selected.warnings;
-    let system = KnotValues::factor(space, selected.knots)?;
+    let (system, gram) = (selected.system, selected.gram);
     let _ = observer(&Progress::new("fit", 0, 1));
-    let rings = Rings::build(space.mesh(), system.knots());
-    let gram = Gram::estimate(&system, target, &rings)?;
     let start = selected.fitted.as_ref().unwrap_or(&target.data);
     let (f, report) = system.least_squares(target, start, &gram, FIT_EXCESS, FIT_ITERATIONS);
     let _ = observer(&Progress::new("fit", 1, 1));

@@ -39,9 +39,8 @@ impl<'a> KnotValues<'a> {
             ordering,
             symbolic,
         } = space.bilaplacian()?;
-        let mut is_knot = vec![false; matrix.size()];
-        knots.iter().for_each(|&knot| is_knot[knot as usize] = true);
-        let factor = if knots.len() > matrix.size() / ANALYSED_ANEW {
+        let is_knot = marked(&knots, matrix.size());
+        let factor = if are_analysed_anew(&knots, matrix) {
             let symbolic = Symbolic::analyze_kept(matrix, ordering, |row| !is_knot[row]);
             Cholesky::factor(symbolic, matrix)?
         } else {
@@ -53,6 +52,23 @@ impl<'a> KnotValues<'a> {
             knots,
             factor: Arc::new(factor),
         })
+    }
+
+    /// Goes over to other knots, in the memory of the present factor where their factor is as large.
+    pub(crate) fn change(&mut self, space: &'a Space, knots: Vec<u32>) -> Result<(), FitError> {
+        let Bilaplacian {
+            matrix, symbolic, ..
+        } = space.bilaplacian()?;
+        let shared = Arc::ptr_eq(&self.factor.shared_symbolic(), symbolic);
+        match Arc::get_mut(&mut self.factor) {
+            Some(factor) if shared && !are_analysed_anew(&knots, matrix) => {
+                let is_knot = marked(&knots, matrix.size());
+                factor.refactor_kept(matrix, |row| !is_knot[row])?;
+                self.knots = knots;
+            }
+            _ => *self = Self::factor(space, knots)?,
+        }
+        Ok(())
     }
 
     /// Takes up a factor of these knots again.
@@ -180,4 +196,14 @@ impl<'a> KnotValues<'a> {
             }
         }
     }
+}
+
+fn are_analysed_anew(knots: &[u32], matrix: &SymmetricMatrix) -> bool {
+    knots.len() > matrix.size() / ANALYSED_ANEW
+}
+
+fn marked(knots: &[u32], vertices: usize) -> Vec<bool> {
+    let mut is_knot = vec![false; vertices];
+    knots.iter().for_each(|&knot| is_knot[knot as usize] = true);
+    is_knot
 }

@@ -71,7 +71,7 @@ pub(super) fn cross_validate(
         if removed.is_empty() {
             break;
         }
-        state = state.moved(&removed, &[], Precision::Fair)?;
+        state.remove(&removed, Precision::Fair)?;
     }
     Ok(trials)
 }

@@ -39,7 +39,7 @@ pub(super) fn eliminate(
             limit.ceil() as usize
         };
         let removed = state.cheapest(limit);
-        *state = state.moved(&removed, &[], Precision::Rough)?;
+        state.remove(&removed, Precision::Rough)?;
         rounds += 1;
     }
     Ok(rounds)

@@ -30,19 +30,20 @@ pub(super) fn exchange(
         if inserted.is_empty() {
             break;
         }
-        let mut next = state.moved(&[], &inserted, Precision::Rough)?;
-        while next.knots().len() > count {
-            let removed = next.cheapest(next.knots().len() - count);
-            next = next.moved(&removed, &[], Precision::Fair)?;
+        let saved = state.save();
+        state.insert(&inserted, Precision::Rough)?;
+        while state.knots().len() > count {
+            let removed = state.cheapest(state.knots().len() - count);
+            state.remove(&removed, Precision::Fair)?;
         }
         tried += 1;
-        let gain = state.error() - next.error();
+        let gain = saved.error() - state.error();
         if gain > 0.0 {
-            let small = gain < SMALLEST_GAIN * state.error();
-            *state = next;
+            let small = gain < SMALLEST_GAIN * saved.error();
             kept += 1;
             share *= if small { 0.5 } else { plan.cooling };
         } else {
+            state.restore(saved)?;
             share *= 0.5;
         }
     }

@@ -25,6 +25,9 @@ pub(crate) mod voronoi;
 use msplines_common::linalg::Mat;
 use msplines_common::progress::{Observer, Outcome};
 
+use crate::gram::Gram;
+use crate::knot_values::KnotValues;
+use crate::rings::Rings;
 use crate::target::Centred;
 use crate::{Effort, FitError, Options, Selection, Space};
 
@@ -35,9 +38,12 @@ pub(crate) use scores::insertion_denominators;
 use sample::Density;
 use state::State;
 
-/// Knots, and a spline to start the final fit from.
-pub(crate) struct Selected {
-    pub(crate) knots: Vec<u32>,
+/// Knots, and what the final fit starts from.
+pub(crate) struct Selected<'a> {
+    pub(crate) system: KnotValues<'a>,
+    /// What preconditions the fit.
+    pub(crate) gram: Gram,
+    /// A spline to start it from.
     pub(crate) fitted: Option<Mat<f64>>,
     pub(crate) outcome: Outcome,
     pub(crate) eliminations: u32,
@@ -49,15 +55,24 @@ pub(crate) struct Selected {
     pub(crate) cross_validation: Vec<Trial>,
 }
 
-impl Selected {
-    pub(crate) fn given(knots: Vec<u32>, stopped: bool) -> Self {
+impl<'a> Selected<'a> {
+    pub(crate) fn given(
+        space: &'a Space,
+        target: &Centred,
+        knots: Vec<u32>,
+        stopped: bool,
+    ) -> Result<Self, FitError> {
+        let system = KnotValues::factor(space, knots)?;
+        let rings = Rings::build(space.mesh(), system.knots());
+        let gram = Gram::estimate(&system, target, &rings)?;
         let outcome = if stopped {
             Outcome::Stopped
         } else {
             Outcome::Converged
         };
-        Self {
-            knots,
+        Ok(Self {
+            system,
+            gram,
             fitted: None,
             outcome,
             eliminations: 0,
@@ -66,7 +81,7 @@ impl Selected {
             l1_rounds: 0,
             warnings: Vec::new(),
             cross_validation: Vec::new(),
-        }
+        })
     }
 }
 
@@ -107,21 +122,21 @@ impl Plan {
                 elimination: [0.2, 0.04],
                 exchange: 0.08,
                 cooling: 0.9,
-                rounds: 14,
+                rounds: 8,
             },
         }
     }
 }
 
 /// Chooses `count` knots for a target, fewer than there are vertices.
-pub(crate) fn select(
-    space: &Space,
-    target: &Centred,
+pub(crate) fn select<'a>(
+    space: &'a Space,
+    target: &'a Centred,
     count: usize,
     options: &Options,
     stopped: bool,
     observer: &mut Observer<'_>,
-) -> Result<Selected, FitError> {
+) -> Result<Selected<'a>, FitError> {
     let plan = Plan::of(options.effort);
     let mut run = Run { observer, stopped };
     let (mut eliminations, mut l1_rounds, mut warnings) = (0, 0, Vec::new());
@@ -160,9 +175,10 @@ pub(crate) fn select(
     } else {
         Outcome::Converged
     };
-    let (knots, fitted) = state.into_parts();
+    let (system, gram, fitted) = state.into_parts();
     Ok(Selected {
-        knots,
+        system,
+        gram,
         fitted: Some(fitted),
         outcome,
         eliminations,
@@ -187,13 +203,13 @@ fn sampled<'a>(
 }
 
 /// Chooses as many knots as noisy data can bear, and where.
-pub(crate) fn select_cross_validated(
-    space: &Space,
-    target: &Centred,
+pub(crate) fn select_cross_validated<'a>(
+    space: &'a Space,
+    target: &'a Centred,
     options: &Options,
     stopped: bool,
     observer: &mut Observer<'_>,
-) -> Result<Selected, FitError> {
+) -> Result<Selected<'a>, FitError> {
     let mut run = Run { observer, stopped };
     let trials = cross_validation::cross_validate(space, target, options, &mut run)?;
     let stopped = run.stopped;

@@ -89,45 +89,42 @@ pub(super) fn polish(state: &mut State<'_>, run: &mut Run<'_, '_>) -> Result<[u3
             break;
         }
         tried += 1;
-        let next = moved_to_peaks(state, most, place)?;
-        let judged = next.map(|next| (Judged::of(&next), next));
-        if let Some((judged, next)) = judged
-            && judged.largest < best
-            && judged.stays_near(&start)
-        {
-            (best, *state) = (judged.largest, next);
+        let saved = state.save();
+        let moved = move_to_peaks(state, most, place)?;
+        let judged = Judged::of(state);
+        if moved && judged.largest < best && judged.stays_near(&start) {
+            best = judged.largest;
             (place, kept) = (Place::LargestGain, kept + 1);
-        } else if matches!(place, Place::LargestGain) {
-            place = Place::Peak;
-        } else {
-            (place, most) = (Place::LargestGain, most / 2);
+            continue;
         }
+        state.restore(saved)?;
+        (place, most) = match place {
+            Place::LargestGain => (Place::Peak, most),
+            Place::Peak => (Place::LargestGain, most / 2),
+        };
     }
     Ok([tried, kept])
 }
 
-/// Returns the fit with up to `most` knots moved, or nothing where no knot can come or go.
-fn moved_to_peaks<'a>(
-    state: &State<'a>,
-    most: usize,
-    place: Place,
-) -> Result<Option<State<'a>>, FitError> {
+/// Moves up to `most` knots, and returns whether that went as it should: not where no knot can come
+/// or go.
+fn move_to_peaks(state: &mut State<'_>, most: usize, place: Place) -> Result<bool, FitError> {
     let count = state.knots().len();
     let inserted = wanted(state, most, place);
     if inserted.is_empty() {
-        return Ok(None);
+        return Ok(false);
     }
-    let mut next = state.moved(&[], &inserted, Precision::Rough)?;
-    while next.knots().len() > count {
-        let kept = near_peaks(&next, &inserted);
-        let removed = next.cheapest_of(next.knots().len() - count, |knot| !kept[knot]);
+    state.insert(&inserted, Precision::Rough)?;
+    while state.knots().len() > count {
+        let kept = near_peaks(state, &inserted);
+        let removed = state.cheapest_of(state.knots().len() - count, |knot| !kept[knot]);
         if removed.is_empty() {
-            return Ok(None);
+            return Ok(false);
         }
-        next = next.moved(&removed, &[], Precision::Fair)?;
+        state.remove(&removed, Precision::Fair)?;
     }
-    next.fit(Precision::Fine);
-    Ok(Some(next))
+    state.fit(Precision::Fine);
+    Ok(true)
 }
 
 /// Returns the vertices where knots come: up to `most`, one in the cell of each peak.

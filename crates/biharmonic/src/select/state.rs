@@ -37,6 +37,19 @@ impl Precision {
 /// Iterations allowed to a fit between rounds.
 const ROUND_ITERATIONS: u32 = 30;
 
+/// Knots and their spline.
+pub(super) struct Saved {
+    knots: Vec<u32>,
+    fitted: Mat<f64>,
+    error: f64,
+}
+
+impl Saved {
+    pub(super) fn error(&self) -> f64 {
+        self.error
+    }
+}
+
 pub(super) struct State<'a> {
     space: &'a Space,
     target: &'a Centred,
@@ -92,8 +105,9 @@ impl<'a> State<'a> {
         (self.error / self.target.total_weight()).sqrt()
     }
 
-    pub(super) fn into_parts(self) -> (Vec<u32>, Mat<f64>) {
-        (self.system.knots().to_vec(), self.fitted)
+    /// Returns the system of the knots, what preconditions it, and the spline.
+    pub(super) fn into_parts(self) -> (KnotValues<'a>, Gram, Mat<f64>) {
+        (self.system, self.gram, self.fitted)
     }
 
     /// Returns the knots that can go: up to `count`, cheapest first, none beside another.
@@ -157,36 +171,54 @@ impl<'a> State<'a> {
         &self.rings
     }
 
-    /// Returns the state without some knots and with others, fitted again.
-    pub(super) fn moved(
-        &self,
-        removed: &[u32],
+    /// Adds knots and fits again.
+    pub(super) fn insert(
+        &mut self,
         inserted: &[u32],
         precision: Precision,
-    ) -> Result<Self, FitError> {
-        let mut knots: BTreeSet<u32> = self.knots().iter().copied().collect();
-        removed.iter().for_each(|knot| {
-            knots.remove(knot);
-        });
-        knots.extend(inserted);
-        let system = KnotValues::factor(self.space, knots.into_iter().collect())?;
-        let moves = self.moves + 1;
-        let rings = Rings::along(&self.graph, system.knots());
-        let gram = Gram::estimate(&system, self.target, &rings)?;
-        let mut state = Self {
-            space: self.space,
-            target: self.target,
-            graph: self.graph.clone(),
-            seed: self.seed,
-            moves,
-            system,
-            rings,
-            gram,
+    ) -> Result<(), FitError> {
+        let mut knots = [self.knots(), inserted].concat();
+        knots.sort_unstable();
+        knots.dedup();
+        self.change(knots)?;
+        self.fit(precision);
+        Ok(())
+    }
+
+    /// Removes knots and fits again.
+    pub(super) fn remove(&mut self, removed: &[u32], precision: Precision) -> Result<(), FitError> {
+        let gone: BTreeSet<u32> = removed.iter().copied().collect();
+        let mut knots = self.knots().to_vec();
+        knots.retain(|knot| !gone.contains(knot));
+        self.change(knots)?;
+        self.fit(precision);
+        Ok(())
+    }
+
+    /// Returns what it takes to come back to the present knots. Their factor, which is most of a
+    /// state, is not part of it: going back is rarer than going on.
+    pub(super) fn save(&self) -> Saved {
+        Saved {
+            knots: self.knots().to_vec(),
             fitted: self.fitted.clone(),
-            error: 0.0,
-        };
-        state.fit(precision);
-        Ok(state)
+            error: self.error,
+        }
+    }
+
+    /// Comes back to knots that were saved.
+    pub(super) fn restore(&mut self, saved: Saved) -> Result<(), FitError> {
+        self.change(saved.knots)?;
+        self.fitted = saved.fitted;
+        self.error = saved.error;
+        Ok(())
+    }
+
+    fn change(&mut self, knots: Vec<u32>) -> Result<(), FitError> {
+        self.system.change(self.space, knots)?;
+        self.rings = Rings::along(&self.graph, self.system.knots());
+        self.gram = Gram::estimate(&self.system, self.target, &self.rings)?;
+        self.moves += 1;
+        Ok(())
     }
 
     /// Fits the knots, from the present spline on.

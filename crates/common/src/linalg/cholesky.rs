@@ -70,16 +70,10 @@ impl Cholesky {
         keep: impl Fn(usize) -> bool,
     ) -> Result<Self, FactorError> {
         let symbolic = symbolic.into();
-        let values = vec![0.0; symbolic.value_count()];
-        let left_out = symbolic
-            .order
-            .iter()
-            .map(|&row| !keep(row as usize))
-            .collect();
         let mut factor = Self {
+            values: vec![0.0; symbolic.value_count()],
+            left_out: left_out(&symbolic, keep),
             symbolic,
-            values,
-            left_out,
             entry_count: matrix.entry_count(),
         };
         factor.fill_in(matrix)?;
@@ -98,6 +92,19 @@ impl Cholesky {
         }
         self.values.fill(0.0);
         self.fill_in(matrix)
+    }
+
+    /// Factors another principal submatrix of the same pattern, reusing all memory.
+    ///
+    /// # Errors
+    /// As [`Self::refactor`].
+    pub fn refactor_kept(
+        &mut self,
+        matrix: &SymmetricMatrix,
+        keep: impl Fn(usize) -> bool,
+    ) -> Result<(), FactorError> {
+        self.left_out = left_out(&self.symbolic, keep);
+        self.refactor(matrix)
     }
 
     /// Factors a matrix into values that are all zero.
@@ -129,6 +136,12 @@ impl Cholesky {
     pub fn symbolic(&self) -> &Symbolic {
         &self.symbolic
     }
+}
+
+/// Returns, in elimination order, which rows are not kept.
+fn left_out(symbolic: &Symbolic, keep: impl Fn(usize) -> bool) -> Vec<bool> {
+    let order = symbolic.order.iter();
+    order.map(|&row| !keep(row as usize)).collect()
 }
 
 /// The update of a supernode to its ancestors: lower triangle of an r × r matrix.
