@@ -12,7 +12,7 @@ use msplines_common::evaluate::EvaluateError;
 use msplines_common::linalg::Mat;
 
 use crate::fit::{FIT_EXCESS, FIT_ITERATIONS, ascending};
-use crate::gram::Gram;
+use crate::gram::{Gram, Sight};
 use crate::knot_values::KnotValues;
 use crate::rings::Rings;
 use crate::space::Difference;
@@ -268,7 +268,8 @@ impl BiharmonicSpline {
         let mut f = system.extend(system.gather(data).as_ref());
         if (data - &f).norm_max() > ROUNDING * data.norm_max() {
             let rings = Rings::build(self.space().mesh(), system.knots());
-            let gram = Gram::estimate(&system, &target, &rings).map_err(FitError::from)?;
+            let gram = Gram::estimate(&system, &target, &rings, Sight::Ring);
+            let gram = gram.map_err(FitError::from)?;
             f = system
                 .least_squares(&target, data, &gram, FIT_EXCESS, FIT_ITERATIONS)
                 .0;

@@ -17,11 +17,29 @@ use crate::knot_values::KnotValues;
 use crate::rings::Rings;
 use crate::target::Centred;
 
-/// Rings around its knot in which a column is seen.
-const REACH: u32 = 1;
+/// How much of the columns is seen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Sight {
+    /// Their first rings, with about 15 solves.
+    Ring,
+    /// Two rings, with about 45.
+    TwoRings,
+}
 
-/// Knots of one colour are further from each other than this many rings.
-const APART: u8 = 2;
+impl Sight {
+    /// Returns the rings around its knot in which a column is seen.
+    fn reach(self) -> u32 {
+        match self {
+            Self::Ring => 1,
+            Self::TwoRings => 2,
+        }
+    }
+
+    /// Knots of one colour are further from each other than this many rings.
+    fn apart(self) -> u32 {
+        2 * self.reach()
+    }
+}
 
 /// Columns that are solved for at once.
 const AT_ONCE: usize = 16;
@@ -37,13 +55,14 @@ pub(crate) struct Gram {
 }
 
 impl Gram {
-    /// Finds the products of columns near their knots, with about 15 solves.
+    /// Finds the products of columns near their knots.
     pub(crate) fn estimate(
         system: &KnotValues<'_>,
         target: &Centred,
         rings: &Rings,
+        sight: Sight,
     ) -> Result<Self, FactorError> {
-        let seen = Seen::build(system, rings);
+        let seen = Seen::build(system, rings, sight);
         let products: Vec<Vec<f64>> = (0..rings.len())
             .into_par_iter()
             .map(|cell| seen.products(cell, rings, target))
@@ -93,13 +112,13 @@ struct Seen {
 }
 
 impl Seen {
-    fn build(system: &KnotValues<'_>, rings: &Rings) -> Self {
+    fn build(system: &KnotValues<'_>, rings: &Rings, sight: Sight) -> Self {
         let count = rings.len();
-        let colour = colours(rings);
+        let colour = colours(rings, sight.apart());
         let colours = colour.iter().max().map_or(0, |&last| last as usize + 1);
         let near: Vec<Vec<u32>> = (0..count)
             .into_par_iter()
-            .map(|cell| distinct(rings.around_by_ring(cell, REACH), &colour))
+            .map(|cell| distinct(rings.around_by_ring(cell, sight.reach()), &colour))
             .collect();
         let zeros = |cell: usize| vec![0.0; near[cell].len() * rings.members(cell as u32).len()];
         let mut values: Vec<Vec<f64>> = (0..count).map(zeros).collect();
@@ -152,16 +171,16 @@ impl Seen {
     }
 }
 
-/// Returns a colour for every knot, none twice within [`APART`] rings: in order of the knots, the
-/// first that is free.
-fn colours(rings: &Rings) -> Vec<u16> {
+/// Returns a colour for every knot, none twice within so many rings: in order of the knots, the first
+/// that is free.
+fn colours(rings: &Rings, apart: u32) -> Vec<u16> {
     let mut colour = vec![u16::MAX; rings.len()];
     let mut taken = Vec::new();
     for knot in 0..rings.len() {
         taken.clear();
         taken.extend(
             rings
-                .around_by_ring(knot, u32::from(APART))
+                .around_by_ring(knot, apart)
                 .iter()
                 .map(|&k| colour[k as usize]),
         );

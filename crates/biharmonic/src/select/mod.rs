@@ -25,7 +25,7 @@ pub(crate) mod voronoi;
 use msplines_common::linalg::Mat;
 use msplines_common::progress::{Observer, Outcome};
 
-use crate::gram::Gram;
+use crate::gram::{Gram, Sight};
 use crate::knot_values::KnotValues;
 use crate::rings::Rings;
 use crate::target::Centred;
@@ -64,7 +64,7 @@ impl<'a> Selected<'a> {
     ) -> Result<Self, FitError> {
         let system = KnotValues::factor(space, knots)?;
         let rings = Rings::build(space.mesh(), system.knots());
-        let gram = Gram::estimate(&system, target, &rings)?;
+        let gram = Gram::estimate(&system, target, &rings, Sight::Ring)?;
         let outcome = if stopped {
             Outcome::Stopped
         } else {
@@ -84,6 +84,10 @@ impl<'a> Selected<'a> {
         })
     }
 }
+
+/// Where knots are many, one candidate in so many vertices is enough beside them: their factors are
+/// small, but have no analysis in common.
+const ENOUGH: usize = 3;
 
 /// How much work an effort is.
 struct Plan {
@@ -143,7 +147,8 @@ pub(crate) fn select<'a>(
     let mut state = match options.selection {
         Selection::Exchange => {
             let wanted = (count as f64 * plan.candidates).ceil() as usize;
-            let candidates = if stopped { count } else { wanted };
+            let enough = count + target.data.nrows() / ENOUGH;
+            let candidates = if stopped { count } else { wanted.min(enough) };
             let candidates = candidates.min(target.data.nrows());
             let sample = sample::sample(space, target, candidates, count, options.seed);
             let mut state = State::start(space, target, sample, options.seed)?;

@@ -6,7 +6,7 @@ use msplines_common::linalg::Mat;
 
 use super::scores::insertion_denominators;
 use super::voronoi::{Graph, largest_in_cells};
-use crate::gram::Gram;
+use crate::gram::{Gram, Sight};
 use crate::knot_values::KnotValues;
 use crate::rings::Rings;
 use crate::target::Centred;
@@ -50,6 +50,7 @@ impl Saved {
     }
 }
 
+/// A set of knots, its factors, and the spline that is nearest to the data.
 pub(super) struct State<'a> {
     space: &'a Space,
     target: &'a Centred,
@@ -75,7 +76,7 @@ impl<'a> State<'a> {
         let graph = Graph::build(space.mesh());
         let system = KnotValues::factor(space, knots)?;
         let rings = Rings::along(&graph, system.knots());
-        let gram = Gram::estimate(&system, target, &rings)?;
+        let gram = Gram::estimate(&system, target, &rings, Sight::Ring)?;
         let mut state = Self {
             space,
             target,
@@ -216,7 +217,7 @@ impl<'a> State<'a> {
     fn change(&mut self, knots: Vec<u32>) -> Result<(), FitError> {
         self.system.change(self.space, knots)?;
         self.rings = Rings::along(&self.graph, self.system.knots());
-        self.gram = Gram::estimate(&self.system, self.target, &self.rings)?;
+        self.gram = Gram::estimate(&self.system, self.target, &self.rings, Sight::Ring)?;
         self.moves += 1;
         Ok(())
     }

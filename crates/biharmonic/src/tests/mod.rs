@@ -22,7 +22,7 @@ use msplines_common::linalg::Mat;
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::progress::unobserved;
 
-use crate::gram::Gram;
+use crate::gram::{Gram, Sight};
 use crate::knot_values::KnotValues;
 use crate::rings::Rings;
 use crate::select::voronoi::Graph;
@@ -106,7 +106,8 @@ fn spline_on(space: &Arc<Space>, knots: Vec<u32>) -> BiharmonicSpline {
 
 /// Returns what preconditions the fits with the knots of a system.
 pub(crate) fn gram(system: &KnotValues<'_>, target: &Centred, mesh: &TriangleMesh) -> Gram {
-    Gram::estimate(system, target, &Rings::build(mesh, system.knots())).unwrap()
+    let rings = Rings::build(mesh, system.knots());
+    Gram::estimate(system, target, &rings, Sight::Ring).unwrap()
 }
 
 /// Returns what a fit of the positions of the mesh gives.
