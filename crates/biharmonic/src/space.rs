@@ -226,12 +226,9 @@ impl Space {
         if let Some(ready) = self.poisson.get() {
             return Ok(ready);
         }
-        // What keeps parts of the bi-Laplacian apart does so for the Laplacian, too: a third more
-        // fill, but no second dissection.
-        let poisson = match self.bilaplacian.get() {
-            Some(known) => Poisson::factor_in(&self.operators, &known.ordering)?,
-            None => Poisson::factor(&self.operators)?,
-        };
+        // The order of the bi-Laplacian would do, but a spline from a file, whose space has none, is to
+        // have the same bits.
+        let poisson = Poisson::factor(&self.operators)?;
         Ok(self.poisson.get_or_init(|| poisson))
     }
 

@@ -35,22 +35,11 @@ impl Poisson {
     /// # Errors
     /// A surface that is not connected.
     pub fn factor(operators: &Operators) -> Result<Self, PoissonError> {
-        let ordering = Ordering::nested_dissection(&operators.laplacian)?;
-        Self::factor_in(operators, &ordering)
-    }
-
-    /// Factors the Laplacian in a known order, such as that of the bi-Laplacian.
-    ///
-    /// # Errors
-    /// A surface that is not connected.
-    ///
-    /// # Panics
-    /// If the order is not of as many vertices.
-    pub fn factor_in(operators: &Operators, ordering: &Ordering) -> Result<Self, PoissonError> {
         let laplacian = &operators.laplacian;
+        let ordering = Ordering::nested_dissection(laplacian)?;
         // The vertex eliminated last: leaving it out changes nothing for the others.
         let grounded = ordering.as_slice().last().map_or(0, |&row| row as usize);
-        let symbolic = Symbolic::analyze_kept(laplacian, ordering, |row| row != grounded);
+        let symbolic = Symbolic::analyze_kept(laplacian, &ordering, |row| row != grounded);
         let factor = Cholesky::factor(symbolic, laplacian)?;
         Ok(Self {
             factor,

@@ -29,7 +29,7 @@ pub(super) enum SharedSpace {
 }
 
 impl SharedSpace {
-    /// Assembles the operators, and orders those of a least-squares mesh.
+    /// Assembles and orders the operators.
     pub(super) fn build(case: &Case, input: &LoadedInput) -> Result<Self, RunError> {
         let mesh = &input.mesh;
         match &case.method {
@@ -38,6 +38,7 @@ impl SharedSpace {
                 let creases = options.creases.on(mesh)?;
                 let domain = Arc::new(mesh.clone());
                 let space = biharmonic::Space::with_creases(domain, options.laplacian, creases)?;
+                space.bilaplacian()?;
                 Ok(Self::Biharmonic {
                     space: Arc::new(space),
                     options,
@@ -68,15 +69,6 @@ impl SharedSpace {
             }
             Self::Biharmonic { .. } | Self::LsMesh { .. } => Ok(false),
         }
-    }
-
-    /// Assembles and orders what serves all fits, after [`Self::factor`], which is to have an order of
-    /// its own.
-    pub(super) fn order(&self) -> Result<(), RunError> {
-        if let Self::Biharmonic { space, .. } = self {
-            space.bilaplacian()?;
-        }
-        Ok(())
     }
 
     /// Fits `data`.

@@ -125,8 +125,6 @@ pub(super) fn run(
     let factored = Instant::now();
     let has_factor = space.factor()?;
     let factor_seconds = factored.elapsed().as_secs_f64();
-    enter("domain", clock, observer);
-    space.order()?;
     let keeps_all = case.outputs.iter().any(|path| is_array(path));
     let mut tally = Tally::start(animation, input, keeps_all);
     tally.factor_seconds = has_factor.then_some(factor_seconds);
