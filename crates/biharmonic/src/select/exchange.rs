@@ -10,6 +10,11 @@ const SMALLEST_SHARE: f64 = 0.004;
 /// Exchange has converged when a round gains less than this share of the squared error.
 const SMALLEST_GAIN: f64 = 0.002;
 
+/// A round that gains more than this share is followed by another, of the same size, even beyond the
+/// number of rounds that the plan has; up to this many times that number.
+const LARGE_GAIN: f64 = 0.05;
+const LONGEST: u32 = 4;
+
 /// Exchanges knots, keeping the best set, and returns the rounds tried and kept.
 pub(super) fn exchange(
     state: &mut State<'_>,
@@ -18,10 +23,11 @@ pub(super) fn exchange(
 ) -> Result<[u32; 2], FitError> {
     let count = state.knots().len();
     let (mut share, mut tried, mut kept) = (plan.exchange, 0, 0);
-    while tried < plan.rounds && share >= SMALLEST_SHARE {
+    let mut rounds = plan.rounds;
+    while tried < rounds && share >= SMALLEST_SHARE {
         if run.stop(
             u64::from(tried),
-            u64::from(plan.rounds),
+            u64::from(rounds),
             state.root_mean_square(),
         ) {
             break;
@@ -39,9 +45,14 @@ pub(super) fn exchange(
         tried += 1;
         let gain = saved.error() - state.error();
         if gain > 0.0 {
-            let small = gain < SMALLEST_GAIN * saved.error();
             kept += 1;
-            share *= if small { 0.5 } else { plan.cooling };
+            if gain > LARGE_GAIN * saved.error() {
+                rounds = (rounds + 1).min(LONGEST * plan.rounds);
+            } else if gain < SMALLEST_GAIN * saved.error() {
+                share *= 0.5;
+            } else {
+                share *= plan.cooling;
+            }
         } else {
             state.restore(saved)?;
             share *= 0.5;
