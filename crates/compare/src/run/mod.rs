@@ -65,13 +65,7 @@ pub fn run(
     check_outputs(&case.outputs)?;
     let mut clock = PhaseClock::start(process_start);
     announce("read", observer);
-    let mut input = load(&case.input, &mut clock)?;
-    if case.refine > 0 {
-        input = input.refined(case.refine);
-    }
-    if case.double_cover {
-        input = input.double_cover()?;
-    }
+    let input = prepared(load(&case.input, &mut clock)?, case)?;
     if let Some(over_time) = frames::asked(case, &input)? {
         return frames::run(case, &over_time, &input, &mut clock, observer);
     }
@@ -143,6 +137,17 @@ fn produce(
         Task::Properties => properties::measure(case, input, data, clock, observer),
         Task::Frames(_) => unreachable!("frames have a run of their own"),
     }
+}
+
+/// Returns the input as the case wants it: refined, or its double cover.
+fn prepared(mut input: LoadedInput, case: &Case) -> Result<LoadedInput, RunError> {
+    if case.refine > 0 {
+        input = input.refined(case.refine);
+    }
+    if case.double_cover {
+        input = input.double_cover()?;
+    }
+    Ok(input)
 }
 
 /// What a task gives, before it is measured and written.
