@@ -11,10 +11,9 @@ use std::sync::Arc;
 use msplines_common::evaluate::EvaluateError;
 use msplines_common::linalg::Mat;
 
-use crate::fit::{FIT_EXCESS, FIT_ITERATIONS, ascending};
+use crate::fit::{ascending, fit_closely};
 use crate::gram::{Gram, Sight};
 use crate::knot_values::KnotValues;
-use crate::rings::Rings;
 use crate::space::Difference;
 use crate::target::Centred;
 use crate::{BiharmonicSpline, FitError, Form, PartsError};
@@ -267,12 +266,9 @@ impl BiharmonicSpline {
         let system = KnotValues::factor(self.space(), knots.clone())?;
         let mut f = system.extend(system.gather(data).as_ref());
         if (data - &f).norm_max() > ROUNDING * data.norm_max() {
-            let rings = Rings::build(self.space().mesh(), system.knots());
-            let gram = Gram::estimate(&system, &target, &rings, Sight::Ring);
-            let gram = gram.map_err(FitError::from)?;
-            f = system
-                .least_squares(&target, data, &gram, FIT_EXCESS, FIT_ITERATIONS)
-                .0;
+            let nearest = Gram::on(self.space(), &system, &target, Sight::Ring)
+                .and_then(|gram| fit_closely(self.space(), &system, &target, data, &gram));
+            f = nearest.map_err(FitError::from)?.0;
         }
         let distances: Vec<f64> = (0..f.nrows())
             .map(|v| (f.row(v) - data.row(v)).norm_l2())

@@ -2,24 +2,23 @@
 
 use std::sync::Arc;
 
-use msplines_common::linalg::{CgReport, Mat};
+use msplines_common::linalg::{CgReport, FactorError, Mat};
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::progress::{Observer, Outcome, Progress};
 use serde::{Deserialize, Serialize};
 
 use crate::gram::{Gram, Sight};
 use crate::knot_values::KnotValues;
-use crate::rings::Rings;
 use crate::select::{Selected, Trial, select, select_cross_validated};
 use crate::target::{Centred, Target};
 use crate::{BiharmonicSpline, FitError, KnotChoice, Options, Space};
 
 /// Share by which the squared error of the final fit may exceed its minimum. The mean error is exact
 /// to five digits far earlier; this makes the spline itself the same to 1e-4 of that error.
-pub(crate) const FIT_EXCESS: f64 = 1e-8;
+const FIT_EXCESS: f64 = 1e-8;
 
 /// Iterations allowed to the final fit.
-pub(crate) const FIT_ITERATIONS: u32 = 400;
+const FIT_ITERATIONS: u32 = 400;
 
 /// Iterations after which it gets a better preconditioner. Well-spread knots take 10; clustered ones
 /// hundreds.
@@ -183,21 +182,20 @@ fn fit_centred(
 
 /// Returns the spline with the knots of a system that is nearest to the target.
 ///
-/// Where knots cluster along edges of the data, the products of columns in their first rings are not
-/// enough to go by.
-fn fit_closely(
+/// `gram` sees one ring; where knots cluster along edges of the data that is not enough, and another
+/// takes its place.
+pub(crate) fn fit_closely(
     space: &Space,
     system: &KnotValues<'_>,
     target: &Centred,
     start: &Mat<f64>,
     gram: &Gram,
-) -> Result<(Mat<f64>, CgReport), FitError> {
+) -> Result<(Mat<f64>, CgReport), FactorError> {
     let (f, report) = system.least_squares(target, start, gram, FIT_EXCESS, SHORT_SIGHTED);
     if report.converged {
         return Ok((f, report));
     }
-    let rings = Rings::build(space.mesh(), system.knots());
-    let gram = Gram::estimate(system, target, &rings, Sight::TwoRings)?;
+    let gram = Gram::on(space, system, target, Sight::TwoRings)?;
     let (f, mut report) = system.least_squares(target, &f, &gram, FIT_EXCESS, FIT_ITERATIONS);
     report.iterations += SHORT_SIGHTED;
     Ok((f, report))

@@ -1,10 +1,10 @@
 //! The normal equations near their diagonal, from few solves.
 //!
-//! The columns of `H` decay by about a factor of five from ring to ring (see [`crate::rings`]). So a
-//! sum of columns whose knots are far from each other shows each of them around its own knot, and as
-//! many solves as it takes colours to keep knots apart, about 15, give all columns in their first ring.
-//! That is enough to precondition: 6 iterations instead of 41 with a diagonal on a scan of 100,000
-//! vertices and 4,903 knots. A second ring (45 solves) takes 3.
+//! The columns of `H` decay by about a factor of five from ring to ring of knots. So a sum of columns
+//! whose knots are far from each other shows each of them around its own knot, and as many solves as
+//! it takes colours to keep knots apart, about 15, give all columns in their first ring. That is enough
+//! to precondition: 6 iterations instead of 41 with a diagonal on a scan of 100,000 vertices and 4,903
+//! knots. A second ring (45 solves) takes 3.
 //!
 //! # Notation
 //! `C` are the weights of the vertices, `S_T` the Schur complement of `B` on the knots, which maps
@@ -13,6 +13,7 @@
 use msplines_common::linalg::{Cholesky, FactorError, Mat, MatRef, Symbolic, SymmetricMatrix};
 use rayon::prelude::*;
 
+use crate::Space;
 use crate::knot_values::KnotValues;
 use crate::rings::Rings;
 use crate::target::Centred;
@@ -35,7 +36,7 @@ impl Sight {
         }
     }
 
-    /// Knots of one colour are further from each other than this many rings.
+    /// Knots of one colour are further from each other than this many rings: no cell sees two of them.
     fn apart(self) -> u32 {
         2 * self.reach()
     }
@@ -44,7 +45,8 @@ impl Sight {
 /// Columns that are solved for at once.
 const AT_ONCE: usize = 16;
 
-/// What is added to the diagonal, as a share of its largest entry.
+/// What is added to the diagonal, as a share of its largest entry: far less than a column with weight
+/// has, and enough for the factor of one without.
 const SHIFT: f64 = 1e-9;
 
 /// A sparse approximation of `Hᵀ C² H`, factored.
@@ -55,6 +57,17 @@ pub(crate) struct Gram {
 }
 
 impl Gram {
+    /// Finds the cells of the knots, and in them the products of columns.
+    pub(crate) fn on(
+        space: &Space,
+        system: &KnotValues<'_>,
+        target: &Centred,
+        sight: Sight,
+    ) -> Result<Self, FactorError> {
+        let rings = Rings::build(space.mesh(), system.knots());
+        Self::estimate(system, target, &rings, sight)
+    }
+
     /// Finds the products of columns near their knots.
     pub(crate) fn estimate(
         system: &KnotValues<'_>,
@@ -103,7 +116,7 @@ impl Gram {
 
 /// The columns of `H` around their knots.
 struct Seen {
-    /// For each cell, the knots whose columns are seen there, nearest first.
+    /// For each cell, the knots whose columns are seen there, no two of one colour.
     near: Vec<Vec<u32>>,
     /// Values of these columns at the vertices of each cell, vertex after vertex.
     values: Vec<Vec<f64>>,
@@ -118,7 +131,7 @@ impl Seen {
         let colours = colour.iter().max().map_or(0, |&last| last as usize + 1);
         let near: Vec<Vec<u32>> = (0..count)
             .into_par_iter()
-            .map(|cell| distinct(rings.around_by_ring(cell, sight.reach()), &colour))
+            .map(|cell| rings.around(cell, sight.reach()))
             .collect();
         let zeros = |cell: usize| vec![0.0; near[cell].len() * rings.members(cell as u32).len()];
         let mut values: Vec<Vec<f64>> = (0..count).map(zeros).collect();
@@ -178,28 +191,12 @@ fn colours(rings: &Rings, apart: u32) -> Vec<u16> {
     let mut taken = Vec::new();
     for knot in 0..rings.len() {
         taken.clear();
-        taken.extend(
-            rings
-                .around_by_ring(knot, apart)
-                .iter()
-                .map(|&k| colour[k as usize]),
-        );
+        let around = rings.around(knot, apart);
+        taken.extend(around.iter().map(|&k| colour[k as usize]));
         taken.sort_unstable();
         taken.dedup();
         let free = taken.iter().enumerate().find(|&(i, &c)| c != i as u16);
         colour[knot] = free.map_or(taken.len(), |(i, _)| i) as u16;
     }
     colour
-}
-
-/// Returns the knots without those whose colour an earlier one has.
-fn distinct(knots: Vec<u32>, colour: &[u16]) -> Vec<u32> {
-    let mut found: Vec<u32> = Vec::with_capacity(knots.len());
-    for knot in knots {
-        let same = |&other: &u32| colour[other as usize] == colour[knot as usize];
-        if !found.iter().any(same) {
-            found.push(knot);
-        }
-    }
-    found
 }

@@ -11,8 +11,8 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use msplines_common::linalg::{
-    CgReport, CgTolerance, Cholesky, Mat, MatRef, Ordering, Symbolic, SymmetricMatrix, column,
-    column_mut, conjugate_gradient,
+    CgReport, CgTolerance, Cholesky, FactorError, Mat, MatRef, Ordering, Symbolic, SymmetricMatrix,
+    column, column_mut, conjugate_gradient,
 };
 
 use crate::gram::Gram;
@@ -24,8 +24,7 @@ const ANALYSED_ANEW: usize = 5;
 
 /// The splines with one set of knots.
 pub(crate) struct KnotValues<'a> {
-    bilaplacian: &'a SymmetricMatrix,
-    ordering: &'a Ordering,
+    bilaplacian: &'a Bilaplacian,
     /// Knots, ascending.
     knots: Vec<u32>,
     factor: Arc<Cholesky>,
@@ -34,40 +33,29 @@ pub(crate) struct KnotValues<'a> {
 impl<'a> KnotValues<'a> {
     /// Factors `B_ZZ` for these knots, which must be ascending and at least one.
     pub(crate) fn factor(space: &'a Space, knots: Vec<u32>) -> Result<Self, FitError> {
-        let Bilaplacian {
-            matrix,
-            ordering,
-            symbolic,
-        } = space.bilaplacian()?;
-        let is_knot = marked(&knots, matrix.size());
-        let factor = if are_analysed_anew(&knots, matrix) {
-            let symbolic = Symbolic::analyze_kept(matrix, ordering, |row| !is_knot[row]);
-            Cholesky::factor(symbolic, matrix)?
-        } else {
-            Cholesky::factor_kept(Arc::clone(symbolic), matrix, |row| !is_knot[row])?
-        };
+        let bilaplacian = space.bilaplacian()?;
+        let factor = Arc::new(factor(bilaplacian, &knots)?);
         Ok(Self {
-            bilaplacian: matrix,
-            ordering,
+            bilaplacian,
             knots,
-            factor: Arc::new(factor),
+            factor,
         })
     }
 
-    /// Goes over to other knots, in the memory of the present factor where their factor is as large.
-    pub(crate) fn change(&mut self, space: &'a Space, knots: Vec<u32>) -> Result<(), FitError> {
+    /// Goes over to other knots, in the memory of the present factor where theirs is as large.
+    pub(crate) fn change(&mut self, knots: Vec<u32>) -> Result<(), FactorError> {
         let Bilaplacian {
             matrix, symbolic, ..
-        } = space.bilaplacian()?;
+        } = self.bilaplacian;
         let shared = Arc::ptr_eq(&self.factor.shared_symbolic(), symbolic);
         match Arc::get_mut(&mut self.factor) {
             Some(factor) if shared && !are_analysed_anew(&knots, matrix) => {
                 let is_knot = marked(&knots, matrix.size());
                 factor.refactor_kept(matrix, |row| !is_knot[row])?;
-                self.knots = knots;
             }
-            _ => *self = Self::factor(space, knots)?,
+            _ => self.factor = Arc::new(factor(self.bilaplacian, &knots)?),
         }
+        self.knots = knots;
         Ok(())
     }
 
@@ -77,12 +65,8 @@ impl<'a> KnotValues<'a> {
         knots: Vec<u32>,
         factor: Arc<Cholesky>,
     ) -> Result<Self, FitError> {
-        let Bilaplacian {
-            matrix, ordering, ..
-        } = space.bilaplacian()?;
         Ok(Self {
-            bilaplacian: matrix,
-            ordering,
+            bilaplacian: space.bilaplacian()?,
             knots,
             factor,
         })
@@ -100,13 +84,21 @@ impl<'a> KnotValues<'a> {
     /// Returns an order in which to eliminate unknowns at the knots: that of the vertices.
     pub(crate) fn knot_ordering(&self) -> Ordering {
         let index = |vertex: &u32| self.knots.binary_search(vertex).ok();
-        let order = self.ordering.as_slice().iter().filter_map(index);
+        let order = self
+            .bilaplacian
+            .ordering
+            .as_slice()
+            .iter()
+            .filter_map(index);
         Ordering::given(order.map(|k| k as u32).collect())
     }
 
     /// Returns `H p`, the spline (n × d) with these values at the knots.
     pub(crate) fn extend(&self, values: MatRef<'_, f64>) -> Mat<f64> {
-        let mut f = self.bilaplacian.multiply_columns(&self.knots, values);
+        let mut f = self
+            .bilaplacian
+            .matrix
+            .multiply_columns(&self.knots, values);
         f *= -1.0;
         self.factor.solve_in_place(f.as_mut());
         self.scatter(values, &mut f);
@@ -128,7 +120,10 @@ impl<'a> KnotValues<'a> {
     pub(crate) fn restrict(&self, g: Mat<f64>) -> Mat<f64> {
         let mut restricted = self.gather(&g);
         let solved = self.solve_free(g);
-        restricted -= self.bilaplacian.multiply_rows(&self.knots, solved.as_ref());
+        restricted -= self
+            .bilaplacian
+            .matrix
+            .multiply_rows(&self.knots, solved.as_ref());
         restricted
     }
 
@@ -141,7 +136,9 @@ impl<'a> KnotValues<'a> {
 
     /// Returns the Green's coefficients `(B f)_T` at the knots.
     pub(crate) fn coefficients(&self, f: &Mat<f64>) -> Mat<f64> {
-        self.bilaplacian.multiply_rows(&self.knots, f.as_ref())
+        self.bilaplacian
+            .matrix
+            .multiply_rows(&self.knots, f.as_ref())
     }
 
     /// Returns the least-squares spline, found from the values of `start` at the knots on, and how.
@@ -195,6 +192,21 @@ impl<'a> KnotValues<'a> {
                 f[(knot as usize, side)] = values[(k, side)];
             }
         }
+    }
+}
+
+fn factor(bilaplacian: &Bilaplacian, knots: &[u32]) -> Result<Cholesky, FactorError> {
+    let Bilaplacian {
+        matrix,
+        ordering,
+        symbolic,
+    } = bilaplacian;
+    let is_knot = marked(knots, matrix.size());
+    if are_analysed_anew(knots, matrix) {
+        let symbolic = Symbolic::analyze_kept(matrix, ordering, |row| !is_knot[row]);
+        Cholesky::factor(symbolic, matrix)
+    } else {
+        Cholesky::factor_kept(Arc::clone(symbolic), matrix, |row| !is_knot[row])
     }
 }
 

@@ -98,12 +98,13 @@ impl CreaseChoice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Effort {
-    /// Elimination from three candidates a knot, and a single round of exchanges.
+    /// Elimination from three candidates a knot, and a round of exchanges, or more while they gain
+    /// much.
     Fast,
     /// Slower elimination from four candidates a knot, and a few rounds of exchanges: most of what
     /// can be gained.
     Standard,
-    /// The slowest elimination, and exchanges until they gain little.
+    /// The slowest elimination, and many rounds of exchanges.
     Best,
 }
 

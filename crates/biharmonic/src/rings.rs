@@ -79,25 +79,17 @@ impl Rings {
 
     /// Returns the knots of a ring, ascending, the centre among them.
     pub(crate) fn around(&self, centre: usize, rings: u32) -> Vec<u32> {
-        let mut found = self.around_by_ring(centre, rings);
-        found.sort_unstable();
-        found
-    }
-
-    /// Returns the knots of a ring, the centre first, then ring after ring.
-    pub(crate) fn around_by_ring(&self, centre: usize, rings: u32) -> Vec<u32> {
-        let mut found = vec![centre as u32];
-        let mut seen = BTreeSet::from([centre as u32]);
-        let mut front = 0;
+        let mut found = BTreeSet::from([centre as u32]);
+        let mut front = vec![centre as u32];
         for _ in 0..rings {
-            let end = found.len();
-            for at in front..end {
-                let around = &self.neighbours[found[at] as usize];
-                found.extend(around.iter().filter(|&&other| seen.insert(other)));
+            let mut next = Vec::new();
+            for &knot in &front {
+                let around = self.neighbours[knot as usize].iter().copied();
+                next.extend(around.filter(|&other| found.insert(other)));
             }
-            front = end;
+            front = next;
         }
-        found
+        found.into_iter().collect()
     }
 
     /// Returns for each cell the ring around `centre` it lies in, `limit` for those beyond.

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 use msplines_biharmonic as biharmonic;
 use msplines_common::evaluate::VertexData;
@@ -25,8 +24,6 @@ pub(crate) const PHASES: [&str; 3] = ["domain", "select", "fit"];
 pub(crate) struct Fitted {
     /// The spline.
     pub(crate) stored: StoredSpline,
-    /// What a biharmonic spline was fitted in: nothing in it needs to be computed again.
-    pub(crate) space: Option<Arc<biharmonic::Space>>,
     /// All options of the method.
     pub(crate) options: Value,
     /// How the fit ended.
@@ -183,7 +180,6 @@ impl Fitted {
         ];
         Self {
             stored,
-            space: Some(Arc::clone(fit.spline.space())),
             options: json!(options),
             outcome: report.outcome,
             checks: named(checks),
@@ -201,7 +197,6 @@ impl Fitted {
         ];
         Self {
             stored,
-            space: None,
             options: json!(options),
             outcome: report.outcome,
             checks: named(checks),

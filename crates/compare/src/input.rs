@@ -455,10 +455,27 @@ fn facts(mesh: &TriangleMesh, file: String, sha256: String, kind: InputKind) -> 
 
 #[cfg(test)]
 mod tests {
+    use std::time::Instant;
+
     use msplines_common::mesh::shapes;
     use msplines_io::{Surface, write_surface};
 
     use super::*;
+    use crate::generated::GeneratedSurface;
+
+    #[test]
+    fn a_refined_input_is_a_smoother_mesh_of_the_same_file() {
+        let load = || {
+            let input = Input::Surface(GeneratedSurface::BumpySphere500);
+            load(&input, &mut PhaseClock::start(Instant::now())).expect("an input")
+        };
+        let (coarse, fine) = (load(), load().refined(2));
+        assert_eq!(fine.mesh.face_count(), 16 * coarse.mesh.face_count());
+        assert_eq!(fine.facts.faces, fine.mesh.face_count() as u64);
+        assert_eq!(fine.facts.vertices, fine.mesh.vertex_count() as u64);
+        assert_eq!(fine.facts.sha256, coarse.facts.sha256);
+        assert_eq!(fine.facts.genus, Some(0));
+    }
 
     #[test]
     fn knots_are_the_nearest_vertices_each_once() {

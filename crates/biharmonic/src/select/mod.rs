@@ -3,10 +3,11 @@
 //!
 //! # Notation
 //! `r = S - f` the residual, `C` the weights of the vertices. A knot `i` can go at the cost
-//! `ΔE_i = |w_i|² / D_i`, with `D = diag(S_T (Hᵀ C² H)⁻¹ S_T)` and `S_T` the Schur complement of `B` on the knots: this is the exact
-//! increase of the squared error when it alone is removed and all others are fitted again. A vertex
-//! `j` can come with the gain `g_j² / |C B_ZZ⁻¹ e_j|²`, `g = B_ZZ⁻¹ (C² r)_Z`. Both denominators are
-//! diagonals of huge matrices, estimated with random signs.
+//! `ΔE_i = |w_i|² / D_i`, with `D = diag(S_T (Hᵀ C² H)⁻¹ S_T)` and `S_T` the Schur complement of `B` on
+//! the knots: this is the exact increase of the squared error when it alone is removed and all others
+//! are fitted again. A vertex `j` can come with the gain `g_j² / |C B_ZZ⁻¹ e_j|²`,
+//! `g = B_ZZ⁻¹ (C² r)_Z`. Both denominators are diagonals of huge matrices. The first is estimated from
+//! what the knots near a knot see of each other ([`crate::gram`]), the second with random signs.
 //!
 //! # Reference
 //! [Hou2017] §6. Deviation: exact leave-one-out scores instead of reweighted l1 (Eq. 9, 10), at a
@@ -27,7 +28,6 @@ use msplines_common::progress::{Observer, Outcome};
 
 use crate::gram::{Gram, Sight};
 use crate::knot_values::KnotValues;
-use crate::rings::Rings;
 use crate::target::Centred;
 use crate::{Effort, FitError, Options, Selection, Space};
 
@@ -63,8 +63,7 @@ impl<'a> Selected<'a> {
         stopped: bool,
     ) -> Result<Self, FitError> {
         let system = KnotValues::factor(space, knots)?;
-        let rings = Rings::build(space.mesh(), system.knots());
-        let gram = Gram::estimate(&system, target, &rings, Sight::Ring)?;
+        let gram = Gram::on(space, &system, target, Sight::Ring)?;
         let outcome = if stopped {
             Outcome::Stopped
         } else {
@@ -85,8 +84,9 @@ impl<'a> Selected<'a> {
     }
 }
 
-/// Where knots are many, one candidate in so many vertices is enough beside them: their factors are
-/// small, but have no analysis in common.
+/// Where knots are many, so many vertices have one candidate beside them, and no more: factors for
+/// many knots are small, but have no analysis in common. At 24,182 knots of 173,000 vertices 3.4
+/// candidates a knot instead of 4 take half the time and leave 8 % more error.
 const ENOUGH: usize = 3;
 
 /// How much work an effort is.

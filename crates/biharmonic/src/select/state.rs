@@ -37,7 +37,7 @@ impl Precision {
 /// Iterations allowed to a fit between rounds.
 const ROUND_ITERATIONS: u32 = 30;
 
-/// Knots and their spline.
+/// Knots and their spline, without their factor.
 pub(super) struct Saved {
     knots: Vec<u32>,
     fitted: Mat<f64>,
@@ -52,7 +52,6 @@ impl Saved {
 
 /// A set of knots, its factors, and the spline that is nearest to the data.
 pub(super) struct State<'a> {
-    space: &'a Space,
     target: &'a Centred,
     graph: Graph,
     seed: u64,
@@ -78,7 +77,6 @@ impl<'a> State<'a> {
         let rings = Rings::along(&graph, system.knots());
         let gram = Gram::estimate(&system, target, &rings, Sight::Ring)?;
         let mut state = Self {
-            space,
             target,
             graph,
             seed,
@@ -215,7 +213,7 @@ impl<'a> State<'a> {
     }
 
     fn change(&mut self, knots: Vec<u32>) -> Result<(), FitError> {
-        self.system.change(self.space, knots)?;
+        self.system.change(knots)?;
         self.rings = Rings::along(&self.graph, self.system.knots());
         self.gram = Gram::estimate(&self.system, self.target, &self.rings, Sight::Ring)?;
         self.moves += 1;

@@ -27,7 +27,6 @@ impl Ord for Distance {
 pub(super) type Front = BinaryHeap<Reverse<(Distance, u32)>>;
 
 /// Edges and their lengths around each vertex, in flat arrays.
-#[derive(Clone)]
 pub(crate) struct Graph {
     starts: Vec<usize>,
     neighbours: Vec<(u32, f64)>,

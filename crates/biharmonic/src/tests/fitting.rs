@@ -50,7 +50,7 @@ fn knot_value_fit_equals_the_orthogonal_projection() {
         let projected = &data - rows.transpose() * multipliers;
         let system = KnotValues::factor(&space, knots).unwrap();
         let target = target(&mesh);
-        let gram = gram(&system, &target, &mesh);
+        let gram = gram(&space, &system, &target);
         let (f, report) = system.least_squares(&target, &data, &gram, 1e-22, 300);
         assert!(report.converged);
         assert!(largest(&(f - projected)) < TOLERANCE * largest(&data));

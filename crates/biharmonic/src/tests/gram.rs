@@ -1,9 +1,10 @@
 //! What preconditions the normal equations against the dense equations themselves.
 
 use msplines_common::linalg::Mat;
-use msplines_common::mesh::{TriangleMesh, shapes, zoo};
+use msplines_common::mesh::{shapes, zoo};
 
-use super::{dense_solve, farthest_knots, gram, space, spread_knots, target};
+use super::{dense_solve, farthest_knots, gram, space, spread_knots, weighted};
+use crate::gram::{Gram, Sight};
 use crate::knot_values::KnotValues;
 use crate::target::Centred;
 
@@ -19,14 +20,6 @@ fn dense_equations(system: &KnotValues<'_>, target: &Centred) -> (Mat<f64>, Vec<
     (normal, diagonal.collect())
 }
 
-fn weighted(mesh: &TriangleMesh) -> Centred {
-    let weights = (0..mesh.vertex_count()).map(|v| [0.2, 1.0, 3.0][v % 3]);
-    Centred {
-        weights: Some(weights.collect()),
-        ..target(mesh)
-    }
-}
-
 #[test]
 fn few_knots_are_all_seen_and_solved_exactly() {
     let mesh = zoo::closed();
@@ -37,7 +30,7 @@ fn few_knots_are_all_seen_and_solved_exactly() {
     let (normal, _) = dense_equations(&system, &target);
     let b = Mat::from_fn(4, 2, |k, side| (1 + k + 7 * side) as f64);
     let expected = dense_solve(&normal, &b);
-    let found = gram(&system, &target, &mesh).solve(b.as_ref());
+    let found = gram(&space, &system, &target).solve(b.as_ref());
     let difference = super::largest(&(&found - &expected));
     assert!(
         difference < 1e-6 * super::largest(&expected),
@@ -45,20 +38,27 @@ fn few_knots_are_all_seen_and_solved_exactly() {
     );
 }
 
+/// The fits take 8 and 12 iterations where a ring is seen, 5 and 7 where two are.
 #[test]
-fn many_knots_are_preconditioned_well() {
+fn who_sees_further_needs_fewer_iterations() {
     for mesh in [shapes::bumpy_sphere(3000), zoo::with_boundary()] {
         let space = space(&mesh);
         let knots = spread_knots(mesh.vertex_count(), mesh.vertex_count() / 20);
         let system = KnotValues::factor(&space, knots).unwrap();
         let target = weighted(&mesh);
-        let gram = gram(&system, &target, &mesh);
-        let (_, report) = system.least_squares(&target, &target.data, &gram, 1e-10, 100);
-        assert!(report.converged && report.iterations <= 16, "{report:?}");
+        let [near, far] = [Sight::Ring, Sight::TwoRings].map(|sight| {
+            let gram = Gram::on(&space, &system, &target, sight).unwrap();
+            system
+                .least_squares(&target, &target.data, &gram, 1e-10, 100)
+                .1
+        });
+        assert!(near.converged && far.converged);
+        assert!(far.iterations < near.iterations && near.iterations <= 16);
     }
 }
 
-/// What is compared between knots is right up to a factor that they share.
+/// What is compared between knots is right up to a factor that they share: the ratios to the exact
+/// costs spread by 9 %, the costs themselves by 41 %.
 #[test]
 fn costs_of_removals_rank_as_the_exact_ones() {
     let mesh = shapes::bumpy_sphere(3000);
@@ -66,7 +66,7 @@ fn costs_of_removals_rank_as_the_exact_ones() {
     let system = KnotValues::factor(&space, farthest_knots(&mesh, 150)).unwrap();
     let target = weighted(&mesh);
     let (_, exact) = dense_equations(&system, &target);
-    let found = gram(&system, &target, &mesh).removal;
+    let found = gram(&space, &system, &target).removal;
     let logs: Vec<f64> = found
         .iter()
         .zip(&exact)
@@ -74,5 +74,5 @@ fn costs_of_removals_rank_as_the_exact_ones() {
         .collect();
     let mean = logs.iter().sum::<f64>() / logs.len() as f64;
     let spread = logs.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / logs.len() as f64;
-    assert!(spread.sqrt() < 0.25, "{}", spread.sqrt());
+    assert!(spread.sqrt() < 0.2, "{}", spread.sqrt());
 }

@@ -24,7 +24,6 @@ use msplines_common::progress::unobserved;
 
 use crate::gram::{Gram, Sight};
 use crate::knot_values::KnotValues;
-use crate::rings::Rings;
 use crate::select::voronoi::Graph;
 use crate::target::Centred;
 use crate::{BiharmonicSpline, Fit, KnotChoice, Laplacian, Options, Space, fit, fit_in};
@@ -105,9 +104,23 @@ fn spline_on(space: &Arc<Space>, knots: Vec<u32>) -> BiharmonicSpline {
 }
 
 /// Returns what preconditions the fits with the knots of a system.
-pub(crate) fn gram(system: &KnotValues<'_>, target: &Centred, mesh: &TriangleMesh) -> Gram {
-    let rings = Rings::build(mesh, system.knots());
-    Gram::estimate(system, target, &rings, Sight::Ring).unwrap()
+pub(crate) fn gram(space: &Space, system: &KnotValues<'_>, target: &Centred) -> Gram {
+    Gram::on(space, system, target, Sight::Ring).unwrap()
+}
+
+/// Returns weights that change from each vertex to the next.
+fn weights(mesh: &TriangleMesh) -> Vec<f64> {
+    (0..mesh.vertex_count())
+        .map(|v| [0.2, 1.0, 3.0][v % 3])
+        .collect()
+}
+
+/// Returns the positions as the target of a weighted fit.
+fn weighted(mesh: &TriangleMesh) -> Centred {
+    Centred {
+        weights: Some(weights(mesh)),
+        ..target(mesh)
+    }
 }
 
 /// Returns what a fit of the positions of the mesh gives.

@@ -6,24 +6,10 @@ use msplines_common::mesh::{TriangleMesh, shapes, zoo};
 use msplines_common::progress::unobserved;
 use std::sync::Arc;
 
-use super::{centred, dense_solve, gram, positions, space, spread_knots, target};
+use super::{centred, dense_solve, gram, positions, space, spread_knots, weighted};
 use crate::knot_values::KnotValues;
 use crate::select::insertion_denominators;
-use crate::target::Centred;
 use crate::{FitError, KnotChoice, Options, Target, fit_in};
-
-fn weights(mesh: &TriangleMesh) -> Vec<f64> {
-    (0..mesh.vertex_count())
-        .map(|v| [0.2, 1.0, 3.0][v % 3])
-        .collect()
-}
-
-fn weighted(mesh: &TriangleMesh) -> Centred {
-    Centred {
-        weights: Some(weights(mesh)),
-        ..target(mesh)
-    }
-}
 
 #[test]
 fn a_weighted_fit_solves_the_weighted_normal_equations() {
@@ -41,7 +27,7 @@ fn a_weighted_fit_solves_the_weighted_normal_equations() {
         &(basis.transpose() * &basis),
         &(basis.transpose() * &scaled),
     );
-    let gram = gram(&system, &target, &mesh);
+    let gram = gram(&space, &system, &target);
     let (f, report) = system.least_squares(&target, &data, &gram, 1e-22, 300);
     assert!(report.converged);
     let difference = system.gather(&f) - values;

@@ -174,12 +174,9 @@ fn fitted(
 ) -> Result<Produced, RunError> {
     let fitted = fit(case, input, data, clock, observer)?;
     enter("evaluate", clock, observer);
-    let (mesh, values) = fitted.stored.evaluate_in(
-        fitted.space.as_ref(),
-        case.scheme,
-        &input.mesh,
-        case.subdivide,
-    )?;
+    let (mesh, values) = fitted
+        .stored
+        .evaluate_by(case.scheme, &input.mesh, case.subdivide)?;
     Ok(Produced {
         fitted,
         mesh,
@@ -290,6 +287,8 @@ fn options(case: &Case, method: &Value) -> Value {
     options["data"] = json!(case.data);
     options["seed"] = json!(case.seed);
     options["subdivide"] = json!(case.subdivide);
+    options["refine"] = json!(case.refine);
+    options["double_cover"] = json!(case.double_cover);
     options["repair"] = json!(matches!(case.input, Input::File { repair: true, .. }));
     options
 }
@@ -309,8 +308,10 @@ fn component_names(options: &Value, dimension: usize) -> Vec<String> {
 }
 
 fn domain(case: &Case, input: &LoadedInput) -> StoredDomain {
+    // The digest of a file does not tell what has been made of its mesh.
+    let as_read = case.refine == 0 && !case.double_cover;
     match (&case.input, case.domain) {
-        (Input::File { repair, .. }, DomainStorage::Digest) => StoredDomain::Digest {
+        (Input::File { repair, .. }, DomainStorage::Digest) if as_read => StoredDomain::Digest {
             sha256: input.facts.sha256.clone(),
             repair: *repair,
         },

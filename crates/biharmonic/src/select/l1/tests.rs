@@ -204,7 +204,7 @@ fn selected<'a>(space: &'a Space, target: &'a Centred, count: usize) -> L1Knots<
 /// Returns the root of the squared error of the best spline with these knots.
 fn error(space: &Space, target: &Centred, knots: Vec<u32>) -> f64 {
     let system = KnotValues::factor(space, knots).unwrap();
-    let gram = gram(&system, target, space.mesh());
+    let gram = gram(space, &system, target);
     let (f, _) = system.least_squares(target, &target.data, &gram, 1e-8, 400);
     (&target.data - f).norm_l2()
 }
