@@ -179,7 +179,7 @@ impl<'a> State<'a> {
         let mut knots = [self.knots(), inserted].concat();
         knots.sort_unstable();
         knots.dedup();
-        self.change(knots)?;
+        self.change(&knots)?;
         self.fit(precision);
         Ok(())
     }
@@ -189,7 +189,7 @@ impl<'a> State<'a> {
         let gone: BTreeSet<u32> = removed.iter().copied().collect();
         let mut knots = self.knots().to_vec();
         knots.retain(|knot| !gone.contains(knot));
-        self.change(knots)?;
+        self.change(&knots)?;
         self.fit(precision);
         Ok(())
     }
@@ -206,15 +206,19 @@ impl<'a> State<'a> {
 
     /// Comes back to knots that were saved.
     pub(super) fn restore(&mut self, saved: Saved) -> Result<(), FitError> {
-        self.change(saved.knots)?;
+        self.change(&saved.knots)?;
         self.fitted = saved.fitted;
         self.error = saved.error;
         Ok(())
     }
 
-    fn change(&mut self, knots: Vec<u32>) -> Result<(), FitError> {
-        self.system.change(knots)?;
-        self.rings = Rings::along(&self.graph, self.system.knots());
+    fn change(&mut self, knots: &[u32]) -> Result<(), FitError> {
+        let (rings, factored) = rayon::join(
+            || Rings::along(&self.graph, knots),
+            || self.system.change(knots.to_vec()),
+        );
+        factored?;
+        self.rings = rings;
         self.gram = Gram::estimate(&self.system, self.target, &self.rings, Sight::Ring)?;
         self.moves += 1;
         Ok(())

@@ -1,6 +1,6 @@
 //! Dense kernels of one front: partial factorisation and triangular solves.
 //!
-//! Large fronts go to faer, sequentially. Small ones, where a call costs more than the arithmetic,
+//! Fronts go to faer, sequentially, the largest tile by tile. Small ones, where a call costs more than the arithmetic,
 //! and solves with few right-hand sides, where one pass over the panel is all that matters, are
 //! plain loops compiled for the vector units of the machine.
 //!
@@ -9,9 +9,10 @@
 //! lower part `L21` has `r = m - c` rows.
 
 use super::dense::{self, column_mut};
+use super::tiles::factor_by_tiles;
 use dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{
-    LltParams, LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
+    LltError, LltParams, LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
 };
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
@@ -23,6 +24,9 @@ use faer::{Accum, MatMut, MatRef, Par, Spec};
 
 /// Panels with fewer multiplications than this are factored by plain loops.
 const SMALL_FRONT: usize = 6_000;
+
+/// Panels with more multiplications than this are factored on all threads.
+const LARGE_FRONT: usize = 60_000_000;
 
 /// Solves with fewer right-hand sides than this pass over a panel once, column after column.
 pub(super) const FEW_SIDES: usize = 6;
@@ -45,20 +49,16 @@ pub(super) fn factor_front(
         });
     }
     let matrix = MatMut::from_column_major_slice_mut(panel, height, columns);
+    let mut update = MatMut::from_column_major_slice_mut(update, below, below);
+    if columns * height * height > LARGE_FRONT {
+        return factor_by_tiles(matrix, update);
+    }
     let (mut top, mut bottom) = matrix.split_at_row_mut(columns);
-    let params: Spec<LltParams, f64> = Spec::default();
-    let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(columns, Par::Seq, params));
-    let stack = MemStack::new(&mut memory);
-    let none = LltRegularization::default();
-    cholesky_in_place(top.rb_mut(), none, Par::Seq, stack, params).map_err(
-        |error| match error {
-            faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index } => index,
-        },
-    )?;
+    factor_diagonal(top.rb_mut())?;
     if below > 0 {
         solve_lower_triangular_in_place(top.rb(), bottom.rb_mut().transpose_mut(), Par::Seq);
         triangular_matmul(
-            MatMut::from_column_major_slice_mut(update, below, below),
+            update.rb_mut(),
             BlockStructure::TriangularLower,
             Accum::Add,
             bottom.rb(),
@@ -70,6 +70,21 @@ pub(super) fn factor_front(
         );
     }
     Ok(())
+}
+
+/// Factors a symmetric matrix of which the lower triangle is given, in place.
+///
+/// Returns the column of the first pivot that is not positive.
+pub(super) fn factor_diagonal(matrix: MatMut<'_, f64>) -> Result<(), usize> {
+    let params: Spec<LltParams, f64> = Spec::default();
+    let scratch = cholesky_in_place_scratch::<f64>(matrix.ncols(), Par::Seq, params);
+    let mut memory = MemBuffer::new(scratch);
+    let stack = MemStack::new(&mut memory);
+    let none = LltRegularization::default();
+    match cholesky_in_place(matrix, none, Par::Seq, stack, params) {
+        Ok(_) => Ok(()),
+        Err(LltError::NonPositivePivot { index }) => Err(index),
+    }
 }
 
 struct Small<'a> {

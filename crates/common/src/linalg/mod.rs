@@ -20,6 +20,7 @@ mod sparse;
 mod symbolic;
 #[cfg(test)]
 mod tests;
+mod tiles;
 
 pub use cg::{CgReport, CgTolerance, conjugate_gradient};
 pub use cholesky::{Cholesky, FactorError};
