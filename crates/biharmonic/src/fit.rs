@@ -138,7 +138,7 @@ fn fit_centred(
             report: Report::direct(),
         });
     }
-    space.bilaplacian()?;
+    prepare(space)?;
     stopped |= observer(&Progress::new("domain", 1, 1)).is_break();
     let selected = match given {
         Given::Knots(knots) => Selected::given(space, target, knots, stopped)?,
@@ -178,6 +178,20 @@ fn fit_centred(
             warnings,
         },
     })
+}
+
+/// Orders and analyses the bi-Laplacian, and beside it the Laplacian, which the spline is evaluated
+/// with: each of the two dissections leaves all cores but one idle.
+fn prepare(space: &Space) -> Result<(), FitError> {
+    if !space.creases().is_empty() {
+        return space.bilaplacian().map(drop);
+    }
+    // A Laplacian that cannot be factored is an error of the evaluation.
+    let (ready, _) = rayon::join(
+        || space.bilaplacian().map(drop),
+        || space.poisson().map(drop),
+    );
+    ready
 }
 
 /// Returns the spline with the knots of a system that is nearest to the target.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use msplines_biharmonic as biharmonic;
 use msplines_common::evaluate::VertexData;
@@ -24,6 +25,8 @@ pub(crate) const PHASES: [&str; 3] = ["domain", "select", "fit"];
 pub(crate) struct Fitted {
     /// The spline.
     pub(crate) stored: StoredSpline,
+    /// What a biharmonic spline was fitted in: nothing in it needs to be computed again.
+    pub(crate) space: Option<Arc<biharmonic::Space>>,
     /// All options of the method.
     pub(crate) options: Value,
     /// How the fit ended.
@@ -180,6 +183,7 @@ impl Fitted {
         ];
         Self {
             stored,
+            space: Some(Arc::clone(fit.spline.space())),
             options: json!(options),
             outcome: report.outcome,
             checks: named(checks),
@@ -197,6 +201,7 @@ impl Fitted {
         ];
         Self {
             stored,
+            space: None,
             options: json!(options),
             outcome: report.outcome,
             checks: named(checks),

@@ -63,6 +63,7 @@ pub(super) fn decompose(
     let count = sum.knots().len();
     let fitted = Fitted {
         stored: StoredSpline::Biharmonic(StoredBiharmonic::of(&sum)),
+        space: Some(Arc::clone(sum.space())),
         options: json!(Options {
             knots: biharmonic::KnotChoice::Optimised { count },
             ..options

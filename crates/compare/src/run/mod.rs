@@ -174,9 +174,12 @@ fn fitted(
 ) -> Result<Produced, RunError> {
     let fitted = fit(case, input, data, clock, observer)?;
     enter("evaluate", clock, observer);
-    let (mesh, values) = fitted
-        .stored
-        .evaluate_by(case.scheme, &input.mesh, case.subdivide)?;
+    let (mesh, values) = fitted.stored.evaluate_in(
+        fitted.space.as_ref(),
+        case.scheme,
+        &input.mesh,
+        case.subdivide,
+    )?;
     Ok(Produced {
         fitted,
         mesh,

@@ -7,8 +7,9 @@ mod biharmonic;
 
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
 
-use msplines_biharmonic::Scheme;
+use msplines_biharmonic::{Scheme, Space};
 use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
 use msplines_ls_mesh::{Constraints, LsMesh};
@@ -203,9 +204,24 @@ impl StoredSpline {
         mesh: &TriangleMesh,
         rounds: u32,
     ) -> Result<(TriangleMesh, Vec<f64>), SplineFileError> {
+        self.evaluate_in(None, scheme, mesh, rounds)
+    }
+
+    /// The same in the space that a biharmonic spline was fitted in: what that has computed is not
+    /// computed again.
+    pub(crate) fn evaluate_in(
+        &self,
+        space: Option<&Arc<Space>>,
+        scheme: Scheme,
+        mesh: &TriangleMesh,
+        rounds: u32,
+    ) -> Result<(TriangleMesh, Vec<f64>), SplineFileError> {
         match self {
             Self::Biharmonic(stored) => {
-                let spline = stored.restore(mesh)?;
+                let spline = match space {
+                    Some(space) => stored.restore_in(space)?,
+                    None => stored.restore(mesh)?,
+                };
                 if rounds == 0 {
                     return Ok((mesh.clone(), spline.vertex_values()?));
                 }
