@@ -5,7 +5,7 @@
 //! `P Pᵀ`, whose sparse Cholesky factor the crate's own linear algebra provides, and the solution is
 //! refined with residuals of `P` itself: at a condition below 100 nothing of the squaring remains.
 
-use msplines_common::linalg::{Cholesky, Mat, MatRef, Ordering, Symbolic, SymmetricMatrix};
+use msplines_common::linalg::{Cholesky, Mat, MatRef, Ordering, Symbolic, SymmetricMatrix, column};
 
 use super::SparseColumns;
 use crate::FitError;
@@ -70,19 +70,32 @@ impl Mixture {
 
     /// Returns an estimate of the condition number of `P` in the 2-norm, from below.
     pub(super) fn condition(&self) -> f64 {
-        let largest = power(self.matrix.shape().0, |x| {
+        let (largest, _) = power(self.matrix.shape().0, |x| {
             self.mix(self.matrix.multiply_transposed(x.as_ref()).as_ref())
         });
-        let inverse = power(self.matrix.shape().0, |mut x| {
+        let (inverse, _) = self.weakest_values();
+        (largest * inverse).sqrt()
+    }
+
+    /// Returns the combination of control points that changes the values at the knots least, up to a
+    /// factor.
+    pub(super) fn weakest(&self) -> Vec<f64> {
+        let (_, values) = self.weakest_values();
+        let points = self.matrix.multiply_transposed(values.as_ref());
+        column(points.as_ref(), 0).to_vec()
+    }
+
+    fn weakest_values(&self) -> (f64, Mat<f64>) {
+        power(self.matrix.shape().0, |mut x| {
             self.factor.solve_in_place(x.as_mut());
             x
-        });
-        (largest * inverse).sqrt()
+        })
     }
 }
 
-/// Returns the largest eigenvalue of a symmetric positive definite operator.
-fn power(size: usize, apply: impl Fn(Mat<f64>) -> Mat<f64>) -> f64 {
+/// Returns the largest eigenvalue of a symmetric positive definite operator, and its vector up to a
+/// factor.
+fn power(size: usize, apply: impl Fn(Mat<f64>) -> Mat<f64>) -> (f64, Mat<f64>) {
     // Without symmetry of its own, so that it lacks no eigenvector.
     let mut x = Mat::from_fn(size, 1, |i, _| (i as f64 * 1.618_034).fract() - 0.3);
     let mut eigenvalue = 0.0;
@@ -97,5 +110,5 @@ fn power(size: usize, apply: impl Fn(Mat<f64>) -> Mat<f64>) -> f64 {
             break;
         }
     }
-    eigenvalue
+    (eigenvalue, x)
 }

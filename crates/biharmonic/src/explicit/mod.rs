@@ -43,19 +43,15 @@ use crate::fit::checked_knots;
 use crate::knot_values::KnotValues;
 use crate::rings::Rings;
 use columns::LocalColumns;
-use joint::{NEIGHBOUR_SHARE, joint_matrix, neighbour_matrix};
+use joint::{Joint, NEIGHBOUR_SHARE, ROUNDS, neighbour_matrix};
 use masks::Masks;
 use mixture::Mixture;
 
-/// Least diagonal of the joint `P`.
-const DIAGONAL: f64 = 0.5;
+/// Condition of `P` beyond which control points would lie far off the surface; 3 to 7 is usual.
+const LARGEST_CONDITION: f64 = 7.5;
 
-/// The same where [`DIAGONAL`] gave a condition beyond [`LARGEST_CONDITION`]: with no negative entries
-/// off the diagonal, `|P⁻¹|` is then at most 10.
-const SAFE_DIAGONAL: f64 = 0.55;
-
-/// Condition of `P` beyond which control points would lie far off the surface; 4 to 8 is usual.
-const LARGEST_CONDITION: f64 = 20.0;
+/// How often bounds are raised where the condition is larger; each time takes a round.
+const MOST_RAISES: u32 = 8;
 
 /// Difference masks may take so many numbers at once: 2 GB.
 const LARGEST_GREEN: usize = 1 << 28;
@@ -64,8 +60,9 @@ const LARGEST_GREEN: usize = 1 << 28;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BasisKind {
-    /// Combinations over the second ring of knots, all optimised together: of the energy of each
-    /// function at most 1 % lies outside the second ring of cells.
+    /// Combinations over the second ring of knots, all optimised together: 0.5 % of the mass of a
+    /// function lies outside the second ring of cells where knots are spread evenly, 1 % where they
+    /// are optimised.
     #[default]
     JointQp,
     /// A fixed share of each control point goes to the neighbours: no optimisation, the smallest
@@ -98,7 +95,7 @@ impl BasisKind {
 
 /// The basis functions of all splines with some knots.
 ///
-/// Building one costs a solve per knot, plus 30 to 60 sparse factorisations of size K for
+/// Building one costs a solve per knot, plus 40 to 80 sparse factorisations of size K for
 /// [`BasisKind::JointQp`]. Every conversion is then a solve or two, whatever the number of components.
 #[derive(Debug)]
 pub struct ExplicitBasis {
@@ -235,8 +232,7 @@ impl ExplicitBasis {
     }
 }
 
-/// Returns the joint `P`, with the safer bound if the first one leaves it badly conditioned, and
-/// whether it is optimal.
+/// Returns the joint `P`, and whether it is optimal.
 fn joint(
     system: &KnotValues<'_>,
     rings: &Rings,
@@ -247,16 +243,26 @@ fn joint(
         |done: u64| -> ControlFlow<()> { observer(&Progress::new("basis", done, total)) };
     let columns = LocalColumns::build(system, rings, |done| report(done as u64));
     let columns = columns.ok_or(ExplicitError::Stopped)?;
-    let mut solve = |diagonal| {
-        let joint = joint_matrix(rings, &columns, diagonal, |_| report(total))?;
-        let joint = joint.ok_or(ExplicitError::Stopped)?;
-        Ok::<_, ExplicitError>((Mixture::build(joint.matrix)?, joint.converged))
+    let mut joint = Joint::start(rings, &columns);
+    let mut round = |joint: &mut Joint<'_>| {
+        if report(total).is_break() {
+            return Err(ExplicitError::Stopped);
+        }
+        Ok(joint.round()?)
     };
-    let (mixture, converged) = solve(DIAGONAL)?;
-    if mixture.condition() > LARGEST_CONDITION {
-        return solve(SAFE_DIAGONAL);
+    for _ in 0..ROUNDS {
+        round(&mut joint)?;
     }
-    Ok((mixture, converged))
+    let mut mixture = Mixture::build(joint.matrix())?;
+    for _ in 0..MOST_RAISES {
+        if mixture.condition() <= LARGEST_CONDITION {
+            break;
+        }
+        joint.hold(&mixture.weakest());
+        round(&mut joint)?;
+        mixture = Mixture::build(joint.matrix())?;
+    }
+    Ok((mixture, joint.converged()))
 }
 
 fn check_kind(space: &Space, knots: usize, kind: BasisKind) -> Result<(), ExplicitError> {

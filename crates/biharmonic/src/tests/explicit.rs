@@ -57,6 +57,26 @@ fn the_joint_basis_is_local_well_conditioned_and_sums_to_one() {
     assert!(before.smallest < locality.smallest, "{before:?}");
 }
 
+/// Where knots are scattered at random, the bounds that suffice elsewhere leave `P` with conditions of 15
+/// and 12.
+#[test]
+fn scattered_knots_leave_the_basis_well_conditioned() {
+    let mesh = shapes::bumpy_sphere(4000);
+    let vertices = mesh.vertex_count() as u32;
+    let space = Arc::new(space(&mesh));
+    for seed in [1, 10] {
+        let scattered = |k: u32| (k * k * (7 + seed) + 977 * k * (seed + 1)) % vertices;
+        let mut knots: Vec<u32> = (0..150).map(scattered).collect();
+        knots.sort_unstable();
+        knots.dedup();
+        let basis = basis(&space, &knots, BasisKind::JointQp);
+        assert!(basis.condition() < 8.0, "{}", basis.condition());
+        let locality = basis.locality().unwrap();
+        assert!(locality.outside[1] < 0.013, "{locality:?}");
+        assert!(locality.unity_error < EXACT, "{locality:?}");
+    }
+}
+
 #[test]
 fn rows_of_the_mixture_sum_to_one_within_their_bounds() {
     let mesh = zoo::knotted();
