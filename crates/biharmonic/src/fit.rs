@@ -59,7 +59,7 @@ pub struct Report {
 /// Fits a spline to data at the vertices, with or without weights.
 ///
 /// Any number of components is fitted at once with common knots. The cost is that of a few dozen
-/// sparse factorisations and solves: about 10 CPU seconds for 100,000 vertices.
+/// sparse factorisations and solves: about 25 CPU seconds for 100,000 vertices.
 ///
 /// The observer sees the phases `domain`, `select` and `fit`. When it breaks, the knots found until
 /// then are fitted, and the outcome is [`Outcome::Stopped`].

@@ -13,8 +13,8 @@
 //! oscillating.
 //!
 //! # Reference
-//! [Hou2017] §3.1, §3.3; [Daubechies2010]. Deviation: functions are combined from the localised `H e_k`, not from Green's
-//! functions by difference masks, which lose the partition of unity.
+//! [Hou2017] §3.1, §3.3; [Daubechies2010]. Deviation: functions are combined from the localised
+//! `H e_k`, not from Green's functions by difference masks, which lose the partition of unity.
 
 use std::collections::BTreeSet;
 
@@ -51,7 +51,8 @@ pub(super) const ROUNDS: u32 = 4;
 /// By how much lower bounds are raised at once.
 const RAISE: f64 = 0.1;
 
-/// A knot is held if its part in the weakest combination is so large a share of the largest one.
+/// A knot is held if its part in the weakest combination is so large a share of the largest one; a
+/// tenth does as well.
 const LARGE_PART: f64 = 0.25;
 
 /// Regularisation of a Hessian against its mean diagonal.

@@ -1,8 +1,8 @@
 //! Dense kernels of one front: partial factorisation and triangular solves.
 //!
-//! Fronts go to faer, sequentially, the largest tile by tile. Small ones, where a call costs more than the arithmetic,
-//! and solves with few right-hand sides, where one pass over the panel is all that matters, are
-//! plain loops compiled for the vector units of the machine.
+//! Fronts go to faer, sequentially, the largest tile by tile. Small ones, where a call costs more than
+//! the arithmetic, and solves with few right-hand sides, where one pass over the panel is all that
+//! matters, are plain loops compiled for the vector units of the machine.
 //!
 //! # Notation
 //! A panel has `c` columns of height `m`, column-major; its upper part is the triangle `L11`, its
@@ -25,7 +25,8 @@ use faer::{Accum, MatMut, MatRef, Par, Spec};
 /// Panels with fewer multiplications than this are factored by plain loops.
 const SMALL_FRONT: usize = 6_000;
 
-/// Panels with more multiplications than this are factored on all threads.
+/// Panels with more multiplications than this are factored on all threads; eight times as many make no
+/// difference at a million vertices.
 const LARGE_FRONT: usize = 60_000_000;
 
 /// Solves with fewer right-hand sides than this pass over a panel once, column after column.

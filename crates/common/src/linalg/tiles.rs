@@ -1,8 +1,7 @@
 //! The factorisation of one large front on all threads.
 //!
-//! Near the root there are fewer fronts than threads, and they are the largest: on a surface of a
-//! million vertices the last one alone has a tenth of all multiplications. Its tiles do not depend on
-//! the number of threads, so neither do the bits of the factor.
+//! Near the root there are fewer fronts than threads, and they are the largest. Their tiles do not
+//! depend on the number of threads, so neither do the bits of the factor.
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
