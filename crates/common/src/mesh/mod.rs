@@ -6,6 +6,7 @@
 //! positions over the same connectivity cost no topology.
 
 mod accept;
+mod connectivity;
 mod cover;
 mod decimate;
 mod defect;
@@ -28,6 +29,7 @@ mod triangle;
 #[cfg(test)]
 mod repair_tests;
 
+pub mod polygon;
 pub mod shapes;
 pub mod zoo;
 

@@ -4,10 +4,12 @@
 //! Half-edge `h = 3 f + i` runs in face `f` from corner `i` to corner `i + 1 (mod 3)`. Its twin runs
 //! the other way in the neighbouring face, or is [`NONE`] on the boundary.
 
+use super::connectivity;
+
 /// The id that stands for "none", such as the twin of a boundary half-edge.
 pub const NONE: u32 = u32::MAX;
 
-/// Why faces are not the triangles of an oriented manifold.
+/// Why faces are not those of an oriented manifold.
 ///
 /// This names the first defect met; `preflight` lists them all.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -22,6 +24,14 @@ pub enum TopologyError {
         vertex: u32,
         /// How many vertices there are.
         vertices: usize,
+    },
+    /// A face has fewer than three corners.
+    #[error("face {face} has {corners} corners; a face needs at least 3")]
+    TooFewCorners {
+        /// The face.
+        face: u32,
+        /// Its number of corners.
+        corners: usize,
     },
     /// A face names a vertex twice.
     #[error("face {face} names vertex {vertex} twice")]
@@ -85,8 +95,9 @@ impl Topology {
             return Err(TopologyError::TooLarge { faces: faces.len() });
         }
         check_faces(vertex_count, &faces)?;
-        let twins = pair_half_edges(&faces)?;
-        let (half_edge_edges, edge_half_edges) = number_edges(&twins);
+        let ends = (0..3 * faces.len()).map(|h| [faces[h / 3][h % 3], faces[h / 3][(h + 1) % 3]]);
+        let twins = connectivity::pair(ends, |h| h / 3)?;
+        let (half_edge_edges, edge_half_edges) = connectivity::number_edges(&twins);
         let mut topology = Self {
             faces,
             twins,
@@ -94,7 +105,12 @@ impl Topology {
             half_edge_edges,
             edge_half_edges,
         };
-        topology.vertex_half_edges = topology.find_vertex_half_edges(vertex_count)?;
+        topology.vertex_half_edges = connectivity::vertex_half_edges(
+            vertex_count,
+            topology.faces.iter().flatten().copied(),
+            &topology.twins,
+            |h| topology.twin(Self::previous(h)),
+        )?;
         Ok(topology)
     }
 
@@ -191,16 +207,8 @@ impl Topology {
     /// At a boundary vertex there is one neighbour more than outgoing half-edges: the origin of
     /// the last one's predecessor; see [`Self::neighbours`].
     pub fn outgoing(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
-        let first = self.vertex_half_edge(vertex);
-        let mut current = first;
-        std::iter::from_fn(move || {
-            if current == NONE {
-                return None;
-            }
-            let here = current;
-            let around = self.twin(Self::previous(here));
-            current = if around == first { NONE } else { around };
-            Some(here)
+        connectivity::fan(self.vertex_half_edge(vertex), |h| {
+            self.twin(Self::previous(h))
         })
     }
 
@@ -227,83 +235,20 @@ impl Topology {
     /// Returns the boundary loops, each as its half-edges head to tail.
     #[must_use]
     pub fn boundary_loops(&self) -> Vec<Vec<u32>> {
-        let mut seen = vec![false; self.twins.len()];
-        let mut loops = Vec::new();
-        for start in (0..self.twins.len() as u32).filter(|&h| self.twin(h) == NONE) {
-            let mut cycle = Vec::new();
-            let mut half_edge = start;
-            while !seen[half_edge as usize] {
-                seen[half_edge as usize] = true;
-                cycle.push(half_edge);
-                half_edge = self.vertex_half_edge(self.target(half_edge));
-            }
-            if !cycle.is_empty() {
-                loops.push(cycle);
-            }
-        }
-        loops
+        let after = |h| self.vertex_half_edge(self.target(h));
+        connectivity::boundary_loops(&self.twins, after)
     }
 
     /// Returns the component of each vertex, numbered by first vertex, and their number.
     #[must_use]
     pub fn components(&self) -> (Vec<u32>, u32) {
-        let mut labels = vec![NONE; self.vertex_count()];
-        let mut stack = Vec::new();
-        let mut count = 0;
-        for seed in 0..self.vertex_count() as u32 {
-            if labels[seed as usize] != NONE {
-                continue;
-            }
-            labels[seed as usize] = count;
-            stack.push(seed);
-            while let Some(vertex) = stack.pop() {
-                for other in self.neighbours(vertex) {
-                    if labels[other as usize] == NONE {
-                        labels[other as usize] = count;
-                        stack.push(other);
-                    }
-                }
-            }
-            count += 1;
-        }
-        (labels, count)
+        connectivity::components(self.vertex_count(), |v| self.neighbours(v))
     }
 
     /// Returns `V - E + F`.
     #[must_use]
     pub fn euler_characteristic(&self) -> i64 {
         self.vertex_count() as i64 - self.edge_count() as i64 + self.face_count() as i64
-    }
-
-    fn find_vertex_half_edges(&self, vertex_count: usize) -> Result<Vec<u32>, TopologyError> {
-        let mut outgoing = vec![NONE; vertex_count];
-        let mut degree = vec![0u32; vertex_count];
-        for half_edge in 0..self.twins.len() as u32 {
-            let vertex = self.origin(half_edge) as usize;
-            degree[vertex] += 1;
-            if outgoing[vertex] == NONE || self.twin(half_edge) == NONE {
-                outgoing[vertex] = half_edge;
-            }
-        }
-        for (vertex, &first) in outgoing.iter().enumerate() {
-            if first == NONE {
-                return Err(TopologyError::UnreferencedVertex {
-                    vertex: vertex as u32,
-                });
-            }
-            let mut fan = 1;
-            let mut half_edge = self.twin(Self::previous(first));
-            while half_edge != NONE && half_edge != first {
-                fan += 1;
-                half_edge = self.twin(Self::previous(half_edge));
-            }
-            if fan != degree[vertex] {
-                return Err(TopologyError::VertexNotManifold {
-                    vertex: vertex as u32,
-                });
-            }
-        }
-        Ok(outgoing)
     }
 }
 
@@ -324,56 +269,4 @@ fn check_faces(vertex_count: usize, faces: &[[u32; 3]]) -> Result<(), TopologyEr
         }
     }
     Ok(())
-}
-
-fn pair_half_edges(faces: &[[u32; 3]]) -> Result<Vec<u32>, TopologyError> {
-    // Sorting brings the half-edges of an edge together, the one from the smaller vertex first.
-    let mut keys: Vec<(u32, u32, bool, u32)> = Vec::with_capacity(3 * faces.len());
-    for (face, corners) in faces.iter().enumerate() {
-        for i in 0..3 {
-            let (a, b) = (corners[i], corners[(i + 1) % 3]);
-            keys.push((a.min(b), a.max(b), a > b, (3 * face + i) as u32));
-        }
-    }
-    keys.sort_unstable();
-    let mut twins = vec![NONE; 3 * faces.len()];
-    for pair in keys.windows(2) {
-        let (one, two) = (pair[0], pair[1]);
-        if (one.0, one.1) != (two.0, two.1) {
-            continue;
-        }
-        if one.2 == two.2 || twins[one.3 as usize] != NONE {
-            let (from, to) = if two.2 {
-                (two.1, two.0)
-            } else {
-                (two.0, two.1)
-            };
-            let (first, second) = (one.3 / 3, two.3 / 3);
-            return Err(TopologyError::EdgeNotManifold {
-                from,
-                to,
-                first,
-                second,
-            });
-        }
-        twins[one.3 as usize] = two.3;
-        twins[two.3 as usize] = one.3;
-    }
-    Ok(twins)
-}
-
-fn number_edges(twins: &[u32]) -> (Vec<u32>, Vec<u32>) {
-    let mut half_edge_edges = vec![NONE; twins.len()];
-    let mut edge_half_edges = Vec::with_capacity(twins.len() / 2);
-    for (half_edge, &twin) in twins.iter().enumerate() {
-        if half_edge_edges[half_edge] == NONE {
-            let edge = edge_half_edges.len() as u32;
-            half_edge_edges[half_edge] = edge;
-            if twin != NONE {
-                half_edge_edges[twin as usize] = edge;
-            }
-            edge_half_edges.push(half_edge as u32);
-        }
-    }
-    (half_edge_edges, edge_half_edges)
 }

@@ -3,11 +3,13 @@
 //! Each is asked for by its number of vertices and has nearly as many; the same arguments always
 //! give the same mesh. Closed surfaces have their normals outwards.
 
+mod control;
 mod grid;
 mod implicit;
 mod round;
 mod sharp;
 
+pub use control::{box_surface, jittered, quad_patch, slab_with_holes, trapezohedron, voxels};
 pub use grid::{cylinder, height_field, torus, torus_knot, vase};
 pub use implicit::genus;
 pub use round::{bumpy_sphere, sphere};

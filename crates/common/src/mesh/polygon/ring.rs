@@ -1,0 +1,198 @@
+//! The rules of one vertex: masks of Catmull-Clark subdivision with creases.
+//!
+//! # Notation
+//! A vertex `v` has the edges `0..n` counter-clockwise, to neighbours `e`, and between edges `j` and
+//! `j + 1` the face `j`, with centre `f` and, if it is a quad, opposite corner `d`. An open ring, of a
+//! boundary vertex, has one face less than edges.
+//!
+//! # Reference
+//! [CatmullClark1978]; [DeRose1998] §3; semi-sharp vertices as in OpenSubdiv, whose rules blend the
+//! masks of this level and the next one by the mean sharpness of what stops being sharp.
+
+use super::sharpness::{CreaseRule, Sharpness};
+use super::topology::PolygonTopology;
+
+/// How sharp the edges around a vertex and the vertex itself are.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Ring {
+    /// Whether the faces go all around.
+    pub closed: bool,
+    /// Sharpness of every edge.
+    pub edges: Vec<f64>,
+    /// Sharpness of the vertex.
+    pub vertex: f64,
+}
+
+/// What happens to a vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rule {
+    /// It moves with all its neighbours.
+    Smooth,
+    /// The same, at the end of a crease.
+    Dart,
+    /// It moves with its neighbours along two sharp edges.
+    Crease([usize; 2]),
+    /// It stays.
+    Corner,
+}
+
+/// Weights of a vertex, its neighbours along edges and the centres of its faces.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct VertexMask {
+    pub vertex: f64,
+    pub edges: Vec<f64>,
+    pub faces: Vec<f64>,
+}
+
+impl Ring {
+    /// Returns the ring of a vertex, from [`PolygonTopology::vertex_half_edge`] on.
+    pub(super) fn of(topology: &PolygonTopology, sharpness: &Sharpness, vertex: u32) -> Self {
+        let spokes = topology.spokes(vertex);
+        Self {
+            closed: !topology.is_boundary_vertex(vertex),
+            edges: spokes.map(|h| sharpness.edge(topology.edge(h))).collect(),
+            vertex: sharpness.vertex(vertex),
+        }
+    }
+
+    /// Returns the number of faces.
+    pub(super) fn faces(&self) -> usize {
+        self.edges.len() - usize::from(!self.closed)
+    }
+
+    /// Returns whether subdivision does not change the sharpness any more.
+    pub(super) fn is_settled(&self) -> bool {
+        let settled = |s: &f64| *s == 0.0 || s.is_infinite();
+        settled(&self.vertex) && self.edges.iter().all(settled)
+    }
+
+    /// Returns the rule of the vertex.
+    pub(super) fn rule(&self) -> Rule {
+        if self.vertex > 0.0 {
+            return Rule::Corner;
+        }
+        let mut sharp = (0..self.edges.len()).filter(|&j| self.edges[j] > 0.0);
+        match (sharp.next(), sharp.next(), sharp.next()) {
+            (None, ..) => Rule::Smooth,
+            (Some(_), None, _) => Rule::Dart,
+            (Some(a), Some(b), None) => Rule::Crease([a, b]),
+            _ => Rule::Corner,
+        }
+    }
+
+    /// Returns the ring after one refinement.
+    pub(super) fn refined(&self, rule: CreaseRule) -> Self {
+        let sharp = self.edges.iter().filter(|&&s| s > 0.0);
+        let (count, sum) = sharp.fold((0.0, 0.0), |(n, sum), s| (n + 1.0, sum + s));
+        let edge = |&s: &f64| {
+            let finite = s > 0.0 && s.is_finite();
+            if finite && rule == CreaseRule::Chaikin && count > 1.0 {
+                // Infinite neighbours keep an edge sharp for ever, as in OpenSubdiv.
+                let others = (sum - s) / (count - 1.0);
+                return (0.75 * s + 0.25 * others - 1.0).max(0.0);
+            }
+            (s - 1.0).max(0.0)
+        };
+        Self {
+            closed: self.closed,
+            edges: self.edges.iter().map(edge).collect(),
+            vertex: (self.vertex - 1.0).max(0.0),
+        }
+    }
+
+    /// Returns how the vertex moves, given the ring of the next level.
+    pub(super) fn vertex_mask(&self, child: &Self) -> VertexMask {
+        let mask = self.mask_of(self.rule());
+        if self.rule() == child.rule() {
+            return mask;
+        }
+        let weight = self.transition(child);
+        let next = self.mask_of(child.rule());
+        let blend = |a: &[f64], b: &[f64]| -> Vec<f64> {
+            let pairs = a.iter().zip(b);
+            pairs
+                .map(|(x, y)| weight * x + (1.0 - weight) * y)
+                .collect()
+        };
+        VertexMask {
+            vertex: weight * mask.vertex + (1.0 - weight) * next.vertex,
+            edges: blend(&mask.edges, &next.edges),
+            faces: blend(&mask.faces, &next.faces),
+        }
+    }
+
+    /// Returns the mean sharpness, at most 1, of what is sharp here but not in `child`.
+    fn transition(&self, child: &Self) -> f64 {
+        let edges = self.edges.iter().zip(&child.edges);
+        let pairs = edges.chain(std::iter::once((&self.vertex, &child.vertex)));
+        let ending = pairs.filter(|(s, next)| **s > 0.0 && **next == 0.0);
+        let (count, sum) = ending.fold((0.0, 0.0), |(n, sum), (s, _)| (n + 1.0, sum + s));
+        if count == 0.0 {
+            return 0.0;
+        }
+        f64::min(sum / count, 1.0)
+    }
+
+    fn mask_of(&self, rule: Rule) -> VertexMask {
+        let n = self.edges.len();
+        let mut mask = VertexMask {
+            vertex: 1.0,
+            edges: vec![0.0; n],
+            faces: vec![0.0; self.faces()],
+        };
+        match rule {
+            Rule::Corner => {}
+            Rule::Crease(ends) => {
+                mask.vertex = 0.75;
+                ends.iter().for_each(|&j| mask.edges[j] = 0.125);
+            }
+            Rule::Smooth | Rule::Dart => {
+                let n = n as f64;
+                mask.vertex = (n - 2.0) / n;
+                mask.edges.fill(1.0 / (n * n));
+                mask.faces.fill(1.0 / (n * n));
+            }
+        }
+        mask
+    }
+
+    /// Returns the matrix that refines the points of a ring of quads: the vertex, its neighbours,
+    /// and the opposite corners of its faces.
+    pub(super) fn matrix(&self, child: &Self) -> nalgebra::DMatrix<f64> {
+        let (n, m) = (self.edges.len(), self.faces());
+        let size = 1 + n + m;
+        let mut matrix = nalgebra::DMatrix::zeros(size, size);
+        let face = |j: usize| [0, 1 + j, 1 + (j + 1) % n, 1 + n + j];
+        let mask = self.vertex_mask(child);
+        matrix[(0, 0)] = mask.vertex;
+        for j in 0..n {
+            matrix[(0, 1 + j)] += mask.edges[j];
+        }
+        for j in 0..m {
+            for column in face(j) {
+                matrix[(0, column)] += 0.25 * mask.faces[j];
+                matrix[(1 + n + j, column)] = 0.25;
+            }
+        }
+        for j in 0..n {
+            let row = 1 + j;
+            let sharp = sharp_fraction(self.edges[j]);
+            for end in [0, row] {
+                matrix[(row, end)] += 0.5 * sharp + 0.25 * (1.0 - sharp);
+            }
+            if sharp < 1.0 {
+                for face_index in [j, (j + n - 1) % n] {
+                    for column in face(face_index) {
+                        matrix[(row, column)] += 0.0625 * (1.0 - sharp);
+                    }
+                }
+            }
+        }
+        matrix
+    }
+}
+
+/// Returns how much the midpoint counts in the new point of an edge.
+pub(super) fn sharp_fraction(sharpness: f64) -> f64 {
+    sharpness.min(1.0)
+}

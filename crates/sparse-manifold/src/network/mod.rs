@@ -1,0 +1,4 @@
+//! Surfaces from curve networks.
+//!
+//! # Reference
+//! [Wang2016] §4.3.
