@@ -3,6 +3,7 @@
 //! A method says how a point set is prepared ([`SurfaceSpline::prepare`] pays for a factorisation
 //! or basis rows) and how prepared points are evaluated again and again ([`Evaluator::evaluate`]).
 
+use crate::mesh::polygon::PolygonMesh;
 use crate::mesh::{SurfacePoint, TriangleMesh};
 
 /// Data given at the vertices of a mesh: `values[vertex * dimension + component]`.
@@ -31,6 +32,8 @@ pub enum Order {
 pub enum Domain<'a> {
     /// Points are barycentric on the triangles of this mesh.
     Triangles(&'a TriangleMesh),
+    /// Points are `[s, t, 0]`, bilinear, on the quads of this mesh.
+    Quads(&'a PolygonMesh),
 }
 
 /// Why points cannot be evaluated.
@@ -55,13 +58,25 @@ pub enum EvaluateError {
         /// Number of faces of the domain.
         faces: usize,
     },
-    /// Barycentric coordinates that are not finite, negative, or do not sum to one.
-    #[error("point {point} has barycentric coordinates outside of face {face}")]
+    /// Coordinates that are not finite or outside of the face.
+    #[error("point {point} has coordinates outside of face {face}")]
     OutsideFace {
         /// Index into the points asked for.
         point: usize,
         /// Face the point names.
         face: u32,
+    },
+    /// A point at which derivatives by the coordinates of its face do not exist.
+    #[error(
+        "point {point} is the extraordinary vertex {vertex} of face {face}, where derivatives by the coordinates of the face do not exist; ask for values or geometry there, or beside it"
+    )]
+    NoDerivative {
+        /// Index into the points asked for.
+        point: usize,
+        /// Face the point names.
+        face: u32,
+        /// The vertex.
+        vertex: u32,
     },
     /// The system that extends the spline to these points could not be solved.
     #[error("the points cannot be prepared: {reason}")]
@@ -78,8 +93,8 @@ pub struct Samples {
     pub dimension: usize,
     /// Values, point after point: `values[point * dimension + component]`.
     pub values: Vec<f64>,
-    /// First derivatives in the orthonormal frame of the face, `[point][direction 0..2][component]`;
-    /// empty unless asked for.
+    /// First derivatives `[point][direction 0..2][component]` in the orthonormal frame of a triangle, or
+    /// by the coordinates of a quad; empty unless asked for.
     pub first: Vec<f64>,
     /// Second derivatives `[point][uu, uv, vv][component]`; empty unless asked for.
     pub second: Vec<f64>,

@@ -3,6 +3,8 @@
 //! # Reference
 //! [CatmullClark1978]; [DeRose1998] §3.
 
+use rayon::prelude::*;
+
 use super::ring::{Ring, sharp_fraction};
 use super::sharpness::{Rules, Sharpness};
 use super::stencils::Stencils;
@@ -29,34 +31,20 @@ pub struct Refined {
 /// If the result has more corners than 32-bit ids can name.
 #[must_use]
 pub fn catmull_clark(topology: &PolygonTopology, sharpness: &Sharpness, rules: Rules) -> Refined {
-    let (vertices, edges) = (topology.vertex_count(), topology.edge_count());
-    let edge_point = |h: u32| vertices as u32 + topology.edge(h);
-    let face_point = |f: u32| (vertices + edges) as u32 + f;
-    let corners = (0..topology.half_edge_count() as u32).flat_map(|h| {
-        let before = edge_point(topology.previous(h));
-        [
-            topology.origin(h),
-            edge_point(h),
-            face_point(topology.face(h)),
-            before,
-        ]
-    });
-    let corners: Vec<u32> = corners.collect();
-    let offsets = (0..=topology.half_edge_count() as u32)
-        .map(|h| 4 * h)
-        .collect();
-    let count = vertices + edges + topology.face_count();
-    let child = PolygonTopology::build(count, corners, offsets)
-        .expect("the refinement of a manifold is one, within 32-bit ids");
-    let rings: Vec<[Ring; 2]> = (0..vertices as u32)
+    let vertices = topology.vertex_count();
+    let child = topology.cut_into_quads();
+    let rings: Vec<Option<[Ring; 2]>> = (0..vertices as u32)
+        .into_par_iter()
         .map(|v| {
-            let ring = Ring::of(topology, sharpness, v);
-            let next = ring.refined(rules.creases);
-            [ring, next]
+            (!Ring::is_smooth(topology, sharpness, v)).then(|| {
+                let ring = Ring::of(topology, sharpness, v);
+                let next = ring.refined(rules.creases);
+                [ring, next]
+            })
         })
         .collect();
-    let sharpness = refined_sharpness(topology, sharpness, &rings, &child);
-    let stencils = stencils(topology, &rings);
+    let stencils = stencils(topology, sharpness, &rings);
+    let sharpness = refined_sharpness(topology, &rings, &child);
     Refined {
         topology: child,
         sharpness,
@@ -66,15 +54,15 @@ pub fn catmull_clark(topology: &PolygonTopology, sharpness: &Sharpness, rules: R
 
 fn refined_sharpness(
     topology: &PolygonTopology,
-    before: &Sharpness,
-    rings: &[[Ring; 2]],
+    rings: &[Option<[Ring; 2]>],
     child: &PolygonTopology,
 ) -> Sharpness {
     let mut sharpness = Sharpness {
         edges: vec![0.0; child.edge_count()],
         vertices: vec![0.0; child.vertex_count()],
     };
-    for (v, [_, ring]) in rings.iter().enumerate() {
+    for (v, ring) in rings.iter().enumerate() {
+        let Some([_, ring]) = ring else { continue };
         sharpness.vertices[v] = ring.vertex;
         for (spoke, &s) in topology.spokes(v as u32).zip(&ring.edges) {
             // The piece of the edge at this vertex: first side of the child face at an outgoing
@@ -88,74 +76,70 @@ fn refined_sharpness(
             sharpness.edges[child.edge(piece) as usize] = s;
         }
     }
-    debug_assert_eq!(before.edges.len(), topology.edge_count());
     sharpness
 }
 
 /// Returns the points of vertices, edges and faces, in this order.
-fn stencils(topology: &PolygonTopology, rings: &[[Ring; 2]]) -> Stencils {
-    let vertex = |v: u32| vertex_row(topology, v, &rings[v as usize]);
-    let edge = |e: u32| {
-        let h = topology.edge_half_edge(e);
-        let ring = &rings[topology.origin(h) as usize][0];
-        let place = topology.outgoing(topology.origin(h)).position(|x| x == h);
-        let place = place.expect("a half-edge leaves its origin");
-        edge_row(topology, h, sharp_fraction(ring.edges[place]))
-    };
-    let face = |f: u32| {
-        let corners = topology.face_vertices(f);
-        let weight = 1.0 / corners.len() as f64;
-        merged(corners.iter().map(|&v| (v, weight)).collect())
-    };
-    let rows = (0..topology.vertex_count() as u32).map(vertex);
-    let rows = rows.chain((0..topology.edge_count() as u32).map(edge));
-    let rows = rows.chain((0..topology.face_count() as u32).map(face));
-    Stencils::from_rows(topology.vertex_count(), rows)
+fn stencils(
+    topology: &PolygonTopology,
+    sharpness: &Sharpness,
+    rings: &[Option<[Ring; 2]>],
+) -> Stencils {
+    let (vertices, edges) = (topology.vertex_count(), topology.edge_count());
+    let count = vertices + edges + topology.face_count();
+    Stencils::build(vertices, count, |row, out| match row {
+        v if v < vertices => match &rings[v] {
+            None => smooth_vertex(topology, v as u32, out),
+            Some(rings) => vertex(topology, v as u32, rings, out),
+        },
+        e if e < vertices + edges => {
+            let edge = (e - vertices) as u32;
+            let sharp = sharp_fraction(sharpness.edge(edge));
+            edge_point(topology, topology.edge_half_edge(edge), sharp, out);
+        }
+        f => face_point(topology, (f - vertices - edges) as u32, 1.0, out),
+    })
 }
 
-fn vertex_row(topology: &PolygonTopology, v: u32, [ring, next]: &[Ring; 2]) -> Vec<(u32, f64)> {
+fn smooth_vertex(topology: &PolygonTopology, v: u32, out: &mut Vec<(u32, f64)>) {
+    let n = topology.outgoing(v).count() as f64;
+    out.push((v, (n - 2.0) / n));
+    let share = 1.0 / (n * n);
+    for h in topology.outgoing(v) {
+        out.push((topology.target(h), share));
+        face_point(topology, topology.face(h), share, out);
+    }
+}
+
+fn vertex(topology: &PolygonTopology, v: u32, [ring, next]: &[Ring; 2], out: &mut Vec<(u32, f64)>) {
     let mask = ring.vertex_mask(next);
-    let mut row = vec![(v, mask.vertex)];
+    out.push((v, mask.vertex));
     for (other, &weight) in topology.neighbours(v).zip(&mask.edges) {
         if weight != 0.0 {
-            row.push((other, weight));
+            out.push((other, weight));
         }
     }
     for (h, &weight) in topology.outgoing(v).zip(&mask.faces) {
         if weight != 0.0 {
-            let corners = topology.face_vertices(topology.face(h));
-            let share = weight / corners.len() as f64;
-            row.extend(corners.iter().map(|&corner| (corner, share)));
+            face_point(topology, topology.face(h), weight, out);
         }
     }
-    merged(row)
 }
 
-fn edge_row(topology: &PolygonTopology, h: u32, sharp: f64) -> Vec<(u32, f64)> {
+fn edge_point(topology: &PolygonTopology, h: u32, sharp: f64, out: &mut Vec<(u32, f64)>) {
     let end = 0.5 * sharp + 0.25 * (1.0 - sharp);
-    let mut row = vec![(topology.origin(h), end), (topology.target(h), end)];
+    out.extend([(topology.origin(h), end), (topology.target(h), end)]);
     if sharp < 1.0 {
         for side in [h, topology.twin(h)] {
-            let corners = topology.face_vertices(topology.face(side));
-            let share = 0.25 * (1.0 - sharp) / corners.len() as f64;
-            row.extend(corners.iter().map(|&corner| (corner, share)));
+            face_point(topology, topology.face(side), 0.25 * (1.0 - sharp), out);
         }
     }
-    merged(row)
 }
 
-/// Returns a row whose columns ascend, each once.
-pub(super) fn merged(mut row: Vec<(u32, f64)>) -> Vec<(u32, f64)> {
-    // A stable sort keeps the order of equal columns, and so the bits of their sum.
-    row.sort_by_key(|entry| entry.0);
-    row.dedup_by(|next, kept| {
-        let same = next.0 == kept.0;
-        if same {
-            kept.1 += next.1;
-        }
-        same
-    });
-    row
+fn face_point(topology: &PolygonTopology, face: u32, weight: f64, out: &mut Vec<(u32, f64)>) {
+    let corners = topology.face_vertices(face);
+    let share = weight / corners.len() as f64;
+    out.extend(corners.iter().map(|&corner| (corner, share)));
 }
 
 impl Refined {

@@ -7,11 +7,12 @@
 
 use std::collections::BTreeMap;
 
-use super::catmull_clark::{Refined, merged};
+use super::catmull_clark::Refined;
 use super::eigen::{dart_tangents, left_fixed_vector, sector_tangent};
 use super::ring::{Ring, Rule};
 use super::sharpness::Rules;
 use super::stencils::Stencils;
+use super::topology::PolygonTopology;
 
 /// Returns the limit position of every vertex of a refined mesh, over its control points.
 ///
@@ -24,12 +25,29 @@ pub fn limit_stencils(refined: &Refined, rules: Rules) -> Stencils {
     let topology = &refined.topology;
     assert!(topology.is_quad(), "limits need quads: refine once");
     let mut masks = Masks::new(rules);
-    let rows = (0..topology.vertex_count() as u32).map(|v| {
-        let ring = Ring::of(topology, &refined.sharpness, v);
-        row(refined, v, masks.position(&ring))
+    let count = topology.vertex_count();
+    let special: Vec<Option<usize>> = (0..count as u32)
+        .map(|v| {
+            (!Ring::is_smooth(topology, &refined.sharpness, v))
+                .then(|| masks.position(&Ring::of(topology, &refined.sharpness, v)))
+        })
+        .collect();
+    let rows = Stencils::build(count, count, |v, out| match special[v] {
+        Some(mask) => row(topology, v as u32, &masks.positions[mask], out),
+        None => smooth_row(topology, v as u32, out),
     });
-    let rows: Vec<_> = rows.collect();
-    Stencils::from_rows(topology.vertex_count(), rows).after(&refined.stencils)
+    rows.after(&refined.stencils)
+}
+
+/// Appends the limit of a vertex without sharp edges.
+fn smooth_row(topology: &PolygonTopology, v: u32, out: &mut Vec<(u32, f64)>) {
+    let n = topology.outgoing(v).count() as f64;
+    let share = 1.0 / (n * (n + 5.0));
+    out.push((v, n / (n + 5.0)));
+    for h in topology.outgoing(v) {
+        out.push((topology.target(h), 4.0 * share));
+        out.push((opposite(topology, h), share));
+    }
 }
 
 /// Returns two tangents of the limit surface at the origin of each of these half-edges, in their
@@ -47,27 +65,35 @@ pub fn limit_tangent_stencils(refined: &Refined, half_edges: &[u32], rules: Rule
     let topology = &refined.topology;
     assert!(topology.is_quad(), "limits need quads: refine once");
     let mut masks = Masks::new(rules);
-    let rows = half_edges.iter().flat_map(|&h| {
-        let v = topology.origin(h);
-        let ring = Ring::of(topology, &refined.sharpness, v);
-        let place = topology.outgoing(v).position(|x| x == h);
-        let place = place.expect("a half-edge leaves its origin");
-        let tangents = masks.tangents(&ring, place);
-        tangents.map(|weights| row(refined, v, &weights))
+    let tangents: Vec<[Vec<f64>; 2]> = half_edges
+        .iter()
+        .map(|&h| {
+            let v = topology.origin(h);
+            let place = topology.outgoing(v).position(|x| x == h);
+            let place = place.expect("a half-edge leaves its origin");
+            masks.tangents(&Ring::of(topology, &refined.sharpness, v), place)
+        })
+        .collect();
+    let columns = topology.vertex_count();
+    let rows = Stencils::build(columns, 2 * half_edges.len(), |index, out| {
+        let v = topology.origin(half_edges[index / 2]);
+        row(topology, v, &tangents[index / 2][index % 2], out);
     });
-    let rows: Vec<_> = rows.collect();
-    Stencils::from_rows(topology.vertex_count(), rows).after(&refined.stencils)
+    rows.after(&refined.stencils)
 }
 
-/// Returns the weights of a ring as a row over the vertices.
-fn row(refined: &Refined, v: u32, weights: &[f64]) -> Vec<(u32, f64)> {
-    let topology = &refined.topology;
-    let opposite = |h: u32| topology.origin(topology.next(topology.next(h)));
+/// Appends the weights of a ring as a row over the vertices.
+fn row(topology: &PolygonTopology, v: u32, weights: &[f64], out: &mut Vec<(u32, f64)>) {
     let vertices = std::iter::once(v)
         .chain(topology.neighbours(v))
-        .chain(topology.outgoing(v).map(opposite));
+        .chain(topology.outgoing(v).map(|h| opposite(topology, h)));
     let row = vertices.zip(weights.iter().copied());
-    merged(row.filter(|&(_, weight)| weight != 0.0).collect())
+    out.extend(row.filter(|&(_, weight)| weight != 0.0));
+}
+
+/// Returns the far corner of the quad in which a half-edge leaves its origin.
+fn opposite(topology: &PolygonTopology, h: u32) -> u32 {
+    topology.origin(topology.next(topology.next(h)))
 }
 
 /// Bits of a ring's sharpness.
@@ -76,7 +102,8 @@ type Key = (bool, Vec<u64>, u64);
 /// The masks of rings that have been met.
 struct Masks {
     rules: Rules,
-    positions: BTreeMap<Key, Vec<f64>>,
+    places: BTreeMap<Key, usize>,
+    positions: Vec<Vec<f64>>,
     tangents: BTreeMap<(Key, usize), [Vec<f64>; 2]>,
 }
 
@@ -84,16 +111,19 @@ impl Masks {
     fn new(rules: Rules) -> Self {
         Self {
             rules,
-            positions: BTreeMap::new(),
+            places: BTreeMap::new(),
+            positions: Vec::new(),
             tangents: BTreeMap::new(),
         }
     }
 
-    fn position(&mut self, ring: &Ring) -> &[f64] {
-        let rules = self.rules;
-        self.positions
-            .entry(key(ring))
-            .or_insert_with(|| settled(ring, rules, |ring| vec![position_mask(ring)]).remove(0))
+    /// Returns the place of a mask in `positions`.
+    fn position(&mut self, ring: &Ring) -> usize {
+        *self.places.entry(key(ring)).or_insert_with(|| {
+            let mask = settled(ring, self.rules, |ring| vec![position_mask(ring)]);
+            self.positions.extend(mask);
+            self.positions.len() - 1
+        })
     }
 
     fn tangents(&mut self, ring: &Ring, face: usize) -> [Vec<f64>; 2] {

@@ -55,6 +55,18 @@ impl Ring {
         }
     }
 
+    /// Returns whether neither a vertex nor any of its edges is sharp; those of the boundary are.
+    pub(super) fn is_smooth(
+        topology: &PolygonTopology,
+        sharpness: &Sharpness,
+        vertex: u32,
+    ) -> bool {
+        let mut outgoing = topology.outgoing(vertex);
+        sharpness.vertex(vertex) == 0.0
+            && !topology.is_boundary_vertex(vertex)
+            && outgoing.all(|h| sharpness.edge(topology.edge(h)) == 0.0)
+    }
+
     /// Returns the number of faces.
     pub(super) fn faces(&self) -> usize {
         self.edges.len() - usize::from(!self.closed)

@@ -136,33 +136,58 @@ impl Sharpness {
         tags: &[CreaseTag],
     ) -> Result<Self, SharpnessError> {
         let mut sharpness = Self::smooth(topology, rules);
-        for (tag, crease) in tags.iter().enumerate() {
-            if crease.sharpness.is_nan() || crease.sharpness < 0.0 {
-                return Err(SharpnessError::NotASharpness {
-                    tag,
-                    sharpness: crease.sharpness,
-                });
-            }
-            let ends = crease.vertices;
-            let vertices = topology.vertex_count();
-            if let Some(&vertex) = ends.iter().find(|&&v| v as usize >= vertices) {
-                return Err(SharpnessError::NoSuchVertex {
-                    tag,
-                    vertex,
-                    vertices,
-                });
-            }
-            if ends[0] == ends[1] {
-                sharpness.set_vertex(ends[0], crease.sharpness);
-                continue;
-            }
-            match topology.edge_between(ends[0], ends[1]) {
-                None => return Err(SharpnessError::NoSuchEdge { tag, ends }),
+        sharpness.tag(topology, tags)?;
+        Ok(sharpness)
+    }
+
+    /// Sets what tags say, all or, on an error, nothing. Boundary edges stay sharp.
+    ///
+    /// # Errors
+    /// A tag that names no vertex or edge, or whose sharpness is negative or NaN.
+    pub fn tag(
+        &mut self,
+        topology: &PolygonTopology,
+        tags: &[CreaseTag],
+    ) -> Result<(), SharpnessError> {
+        let places: Result<Vec<Option<u32>>, SharpnessError> = tags
+            .iter()
+            .enumerate()
+            .map(|(index, tag)| tagged_edge(topology, index, tag))
+            .collect();
+        for (tag, edge) in tags.iter().zip(places?) {
+            match edge {
+                None => self.set_vertex(tag.vertices[0], tag.sharpness),
                 Some(edge) if topology.is_boundary_edge(edge) => {}
-                Some(edge) => sharpness.set_edge(edge, crease.sharpness),
+                Some(edge) => self.set_edge(edge, tag.sharpness),
             }
         }
-        Ok(sharpness)
+        Ok(())
+    }
+
+    /// Returns the sharpness of a patch of a mesh, whose vertices are these of the mesh. What has
+    /// become a boundary is sharp.
+    ///
+    /// # Panics
+    /// If an edge of the patch is none of the mesh.
+    #[must_use]
+    pub fn of_patch(
+        &self,
+        topology: &PolygonTopology,
+        patch: &PolygonTopology,
+        vertices: &[u32],
+        rules: Rules,
+    ) -> Self {
+        let mut sharpness = Self::smooth(patch, rules);
+        for edge in 0..patch.edge_count() as u32 {
+            let [a, b] = patch.edge_vertices(edge).map(|v| vertices[v as usize]);
+            let whole = topology.edge_between(a, b).expect("an edge of the mesh");
+            let own = &mut sharpness.edges[edge as usize];
+            *own = own.max(self.edge(whole));
+        }
+        for (own, &vertex) in sharpness.vertices.iter_mut().zip(vertices) {
+            *own = own.max(self.vertex(vertex));
+        }
+        sharpness
     }
 
     /// Sets the sharpness of an edge.
@@ -186,6 +211,36 @@ impl Sharpness {
     pub fn vertex(&self, vertex: u32) -> f64 {
         self.vertices[vertex as usize]
     }
+}
+
+/// Returns the edge that a tag names, or nothing for a corner.
+fn tagged_edge(
+    topology: &PolygonTopology,
+    index: usize,
+    tag: &CreaseTag,
+) -> Result<Option<u32>, SharpnessError> {
+    let sharpness = tag.sharpness;
+    if sharpness.is_nan() || sharpness < 0.0 {
+        let tag = index;
+        return Err(SharpnessError::NotASharpness { tag, sharpness });
+    }
+    let ends = tag.vertices;
+    let vertices = topology.vertex_count();
+    if let Some(&vertex) = ends.iter().find(|&&v| v as usize >= vertices) {
+        let tag = index;
+        return Err(SharpnessError::NoSuchVertex {
+            tag,
+            vertex,
+            vertices,
+        });
+    }
+    if ends[0] == ends[1] {
+        return Ok(None);
+    }
+    let edge = topology.edge_between(ends[0], ends[1]);
+    let tag = index;
+    edge.map(Some)
+        .ok_or(SharpnessError::NoSuchEdge { tag, ends })
 }
 
 fn settled(sharpness: f64) -> f64 {

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 /// Rows that are computed together.
-const BLOCK: usize = 256;
+const BLOCK: usize = 1024;
 
 /// Sparse rows: each is a point as a weighted sum of control points.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,22 +27,47 @@ impl Stencils {
         }
     }
 
-    pub(super) fn from_rows(
+    /// Returns stencils of `count` rows, each of which `row` appends to an empty list: columns in any
+    /// order, also repeated.
+    pub(super) fn build(
         columns: usize,
-        rows: impl IntoIterator<Item = Vec<(u32, f64)>>,
+        count: usize,
+        row: impl Fn(usize, &mut Vec<(u32, f64)>) + Sync,
     ) -> Self {
+        let block = |block: usize| {
+            let mut flat = Flat::default();
+            let mut scratch = Vec::new();
+            for index in block * BLOCK..((block + 1) * BLOCK).min(count) {
+                scratch.clear();
+                row(index, &mut scratch);
+                // A stable sort keeps the order of equal columns, and so the bits of their sum.
+                scratch.sort_by_key(|entry| entry.0);
+                flat.push_merged(&scratch);
+            }
+            flat
+        };
+        let blocks: Vec<Flat> = (0..count.div_ceil(BLOCK))
+            .into_par_iter()
+            .map(block)
+            .collect();
+        Self::joined(columns, &blocks)
+    }
+
+    fn joined(columns: usize, blocks: &[Flat]) -> Self {
+        let size = blocks.iter().map(|block| block.indices.len()).sum();
         let mut stencils = Self {
             offsets: vec![0],
-            indices: Vec::new(),
-            weights: Vec::new(),
+            indices: Vec::with_capacity(size),
+            weights: Vec::with_capacity(size),
             columns,
         };
-        for row in rows {
-            for (index, weight) in row {
-                stencils.indices.push(index);
-                stencils.weights.push(weight);
-            }
-            stencils.offsets.push(stencils.indices.len() as u32);
+        for block in blocks {
+            let start = stencils.indices.len() as u32;
+            stencils
+                .offsets
+                .extend(block.ends.iter().map(|end| start + end));
+            stencils.indices.extend_from_slice(&block.indices);
+            stencils.weights.extend_from_slice(&block.weights);
         }
         stencils
     }
@@ -109,44 +134,71 @@ impl Stencils {
             inner.len(),
             "columns of one, rows of the other"
         );
-        let blocks: Vec<Vec<Vec<(u32, f64)>>> = (0..self.len().div_ceil(BLOCK))
+        let block = |block: usize| {
+            let mut sums = vec![0.0; inner.columns];
+            let mut seen = vec![false; inner.columns];
+            let mut flat = Flat::default();
+            for row in block * BLOCK..((block + 1) * BLOCK).min(self.len()) {
+                self.product_row(row, inner, (&mut sums, &mut seen), &mut flat);
+            }
+            flat
+        };
+        let blocks: Vec<Flat> = (0..self.len().div_ceil(BLOCK))
             .into_par_iter()
-            .map(|block| {
-                let mut sums = vec![0.0; inner.columns];
-                let mut seen = vec![false; inner.columns];
-                let rows = block * BLOCK..((block + 1) * BLOCK).min(self.len());
-                rows.map(|row| self.product_row(row, inner, &mut sums, &mut seen))
-                    .collect()
-            })
+            .map(block)
             .collect();
-        Self::from_rows(inner.columns, blocks.into_iter().flatten())
+        Self::joined(inner.columns, &blocks)
     }
 
     fn product_row(
         &self,
         row: usize,
         inner: &Self,
-        sums: &mut [f64],
-        seen: &mut [bool],
-    ) -> Vec<(u32, f64)> {
-        let mut touched = Vec::new();
+        (sums, seen): (&mut [f64], &mut [bool]),
+        out: &mut Flat,
+    ) {
+        let start = out.indices.len();
         let (indices, weights) = self.row(row);
         for (&index, &weight) in indices.iter().zip(weights) {
             let (columns, values) = inner.row(index as usize);
             for (&column, &value) in columns.iter().zip(values) {
                 if !std::mem::replace(&mut seen[column as usize], true) {
-                    touched.push(column);
+                    out.indices.push(column);
                 }
                 sums[column as usize] += weight * value;
             }
         }
-        touched.sort_unstable();
-        touched
-            .into_iter()
-            .map(|column| {
-                seen[column as usize] = false;
-                (column, std::mem::take(&mut sums[column as usize]))
-            })
-            .collect()
+        out.indices[start..].sort_unstable();
+        for &column in &out.indices[start..] {
+            seen[column as usize] = false;
+            out.weights.push(std::mem::take(&mut sums[column as usize]));
+        }
+        out.ends.push(out.indices.len() as u32);
+    }
+}
+
+/// Rows of a block, one after another.
+#[derive(Default)]
+struct Flat {
+    ends: Vec<u32>,
+    indices: Vec<u32>,
+    weights: Vec<f64>,
+}
+
+impl Flat {
+    /// Appends a row of ascending columns, of which equal ones are summed.
+    fn push_merged(&mut self, row: &[(u32, f64)]) {
+        let start = self.indices.len();
+        for &(index, weight) in row {
+            if self.indices.len() > start && self.indices.last() == Some(&index) {
+                if let Some(last) = self.weights.last_mut() {
+                    *last += weight;
+                }
+            } else {
+                self.indices.push(index);
+                self.weights.push(weight);
+            }
+        }
+        self.ends.push(self.indices.len() as u32);
     }
 }

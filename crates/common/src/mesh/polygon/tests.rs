@@ -206,6 +206,24 @@ fn grids_meet_along_edges_and_have_the_corners_of_their_faces() {
 }
 
 #[test]
+fn a_refined_topology_is_the_one_built_from_its_faces() {
+    for mesh in control_meshes() {
+        let fine = mesh.topology().cut_into_quads();
+        let corners: Vec<u32> = fine.faces().flatten().copied().collect();
+        let offsets = (0..=fine.face_count() as u32).map(|f| 4 * f).collect();
+        let built = PolygonTopology::build(fine.vertex_count(), corners, offsets).expect("quads");
+        assert_eq!(built.boundary_loops(), fine.boundary_loops());
+        for h in 0..fine.half_edge_count() as u32 {
+            assert_eq!([built.twin(h), built.edge(h)], [fine.twin(h), fine.edge(h)]);
+        }
+        for v in 0..fine.vertex_count() as u32 {
+            assert_eq!(fine.origin(fine.vertex_half_edge(v)), v);
+            assert_eq!(fine.outgoing(v).count(), built.outgoing(v).count());
+        }
+    }
+}
+
+#[test]
 fn polygons_become_quads_in_one_step() {
     let positions = [
         [0.0, 0.0, 0.0],

@@ -78,6 +78,62 @@ impl PolygonTopology {
         Ok(topology)
     }
 
+    /// Returns the connectivity after every face has been cut into quads, one at each corner, in O(n).
+    ///
+    /// Vertices keep their ids; after them come the points of edges, then those of faces. Face `h` of
+    /// the result lies at corner `h` and has as its corners the vertex there, the point of the edge
+    /// that leaves it, the point of its face, and the point of the edge that enters it.
+    ///
+    /// # Panics
+    /// If the result has more corners than 32-bit ids can name.
+    #[must_use]
+    pub fn cut_into_quads(&self) -> Self {
+        let (vertices, edges) = (self.vertex_count() as u32, self.edge_count() as u32);
+        let half_edges = self.corners.len() as u32;
+        assert!(half_edges < NONE / 4, "corners within 32-bit ids");
+        let edge_point = |h: u32| vertices + self.edge(h);
+        let (mut corners, mut twins) = (Vec::new(), Vec::new());
+        corners.reserve_exact(4 * half_edges as usize);
+        twins.reserve_exact(4 * half_edges as usize);
+        for h in 0..half_edges {
+            let (next, previous) = (self.next(h), self.previous(h));
+            let face_point = vertices + edges + self.face(h);
+            corners.extend([
+                self.origin(h),
+                edge_point(h),
+                face_point,
+                edge_point(previous),
+            ]);
+            let across = match self.twin(h) {
+                NONE => NONE,
+                twin => 4 * self.next(twin) + 3,
+            };
+            let behind = match self.twin(previous) {
+                NONE => NONE,
+                twin => 4 * twin,
+            };
+            twins.extend([across, 4 * next + 2, 4 * previous + 1, behind]);
+        }
+        let (half_edge_edges, edge_half_edges) = connectivity::number_edges(&twins);
+        let of_vertex = self.vertex_half_edges.iter().map(|&h| 4 * h);
+        let of_edge = self.edge_half_edges.iter().map(|&h| match self.twin(h) {
+            // The one from which the whole fan is seen.
+            NONE => 4 * self.next(h) + 3,
+            _ => 4 * h + 1,
+        });
+        let of_face = self.offsets[..self.face_count()].iter().map(|&h| 4 * h + 2);
+        let vertex_half_edges = of_vertex.chain(of_edge).chain(of_face).collect();
+        Self {
+            corners,
+            offsets: (0..=half_edges).map(|h| 4 * h).collect(),
+            corner_faces: (0..4 * half_edges).map(|h| h / 4).collect(),
+            twins,
+            vertex_half_edges,
+            half_edge_edges,
+            edge_half_edges,
+        }
+    }
+
     /// Returns the number of vertices.
     #[must_use]
     pub fn vertex_count(&self) -> usize {
