@@ -111,9 +111,7 @@ impl ArcCurve {
 fn point(piece: &[Point3<f64>; 4], t: f64) -> Point3<f64> {
     let s = 1.0 - t;
     let [a, b, c, d] = piece.map(|p| p.coords);
-    Point3::from(
-        a * (s * s * s) + b * (3.0 * s * s * t) + c * (3.0 * s * t * t) + d * (t * t * t),
-    )
+    Point3::from(a * (s * s * s) + b * (3.0 * s * s * t) + c * (3.0 * s * t * t) + d * (t * t * t))
 }
 
 fn derivative(piece: &[Point3<f64>; 4], t: f64) -> Vector3<f64> {
@@ -199,7 +197,10 @@ mod tests {
                 })
                 .fold(0.0, f64::max)
         });
-        assert!(errors[0] < 1e-4 && errors[1] < errors[0] / 7.5, "{errors:?}");
+        assert!(
+            errors[0] < 1e-4 && errors[1] < errors[0] / 7.5,
+            "{errors:?}"
+        );
     }
 
     #[test]

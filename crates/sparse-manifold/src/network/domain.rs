@@ -168,7 +168,9 @@ impl<'a> Builder<'a> {
     }
 
     fn cut(&mut self, arc: u32, pieces: u32) {
-        let ends = self.graph.arcs()[arc as usize].ends.map(|v| self.junctions[&v]);
+        let ends = self.graph.arcs()[arc as usize]
+            .ends
+            .map(|v| self.junctions[&v]);
         let length = self.graph.arcs()[arc as usize].shape.length();
         let mut along = vec![(ends[0], 0.0)];
         for i in 1..pieces {
@@ -248,7 +250,9 @@ impl<'a> Builder<'a> {
                 crease,
             })
         };
-        let curves = (0..mesh.topology().edge_count() as u32).map(curve).collect();
+        let curves = (0..mesh.topology().edge_count() as u32)
+            .map(curve)
+            .collect();
         Ok(NetworkDomain {
             mesh,
             curves,

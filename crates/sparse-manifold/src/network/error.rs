@@ -27,7 +27,7 @@ pub enum NetworkError {
         .curves[0], .curves[1], place(.position)
     )]
     Touching {
-        /// The curves, or one twice.
+        /// The curves.
         curves: [usize; 2],
         /// Where they meet.
         position: Point3<f64>,

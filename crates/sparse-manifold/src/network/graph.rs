@@ -70,13 +70,16 @@ impl CurveGraph {
     /// more than 128 arcs.
     pub fn build(network: &CurveNetwork) -> Result<Self, NetworkError> {
         let segments = Segments::of(network);
-        check_touching(&segments)?;
+        let crossed = check_touching(&segments)?;
+        let warning = |curve| {
+            format!("curve {curve} crosses itself without a point there; it is kept as it is")
+        };
         let junction_of = junctions(&segments)?;
         let mut graph = Self {
             junctions: Vec::new(),
             arcs: Vec::new(),
             mates: Vec::new(),
-            warnings: Vec::new(),
+            warnings: crossed.into_iter().map(warning).collect(),
         };
         for (point, junction) in junction_of.iter().enumerate() {
             if junction.is_some() {
@@ -114,12 +117,7 @@ impl CurveGraph {
     }
 
     /// Adds the arc that starts with an end; returns the end with which it ends.
-    fn add_arc(
-        &mut self,
-        segments: &Segments<'_>,
-        junction_of: &[Option<u32>],
-        first: u32,
-    ) -> u32 {
+    fn add_arc(&mut self, segments: &Segments<'_>, junction_of: &[Option<u32>], first: u32) -> u32 {
         let mut end = first;
         let mut points = vec![segments.point_id(first)];
         let mut pieces = Vec::new();
@@ -143,7 +141,9 @@ impl CurveGraph {
         let ends = ends.map(|junction| junction.unwrap_or_default());
         let arc = self.arcs.len() as u32;
         self.junctions[ends[0] as usize].half_edges.push(2 * arc);
-        self.junctions[ends[1] as usize].half_edges.push(2 * arc + 1);
+        self.junctions[ends[1] as usize]
+            .half_edges
+            .push(2 * arc + 1);
         self.arcs.push(NetworkArc {
             ends,
             points,

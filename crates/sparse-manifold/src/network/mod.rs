@@ -16,6 +16,9 @@ mod graph;
 mod segments;
 mod touching;
 
+#[cfg(test)]
+mod tests;
+
 pub use arc_curve::ArcCurve;
 pub use cycles::{Cycle, CycleOptions, CycleReport, Cycles, find_cycles};
 pub use domain::{DomainVertex, EdgeCurve, NetworkDomain};

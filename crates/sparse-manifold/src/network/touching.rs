@@ -1,5 +1,7 @@
 //! Curves that meet without sharing a point.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Point3, Vector3};
 
 use super::error::NetworkError;
@@ -8,8 +10,10 @@ use super::segments::Segments;
 /// Segments nearer than this fraction of the network's diagonal touch.
 const TOUCHING: f64 = 1e-9;
 
-/// Returns nothing if segments meet at shared points only.
-pub(super) fn check_touching(segments: &Segments<'_>) -> Result<(), NetworkError> {
+/// Returns the curves that cross themselves, if segments otherwise meet at shared points only.
+///
+/// Surfaces that fold have curves that cross themselves, so that is no error.
+pub(super) fn check_touching(segments: &Segments<'_>) -> Result<BTreeSet<usize>, NetworkError> {
     let near = TOUCHING * segments.network.diagonal();
     let bounds = |s: usize| {
         let [a, b] = [2 * s as u32, 2 * s as u32 + 1].map(|end| segments.point(end));
@@ -19,8 +23,13 @@ pub(super) fn check_touching(segments: &Segments<'_>) -> Result<(), NetworkError
     let boxes: Vec<[Point3<f64>; 2]> = (0..segments.list.len()).map(bounds).collect();
     let axis = longest_axis(&boxes);
     let mut order: Vec<usize> = (0..boxes.len()).collect();
-    order.sort_by(|&a, &b| boxes[a][0][axis].total_cmp(&boxes[b][0][axis]).then(a.cmp(&b)));
+    order.sort_by(|&a, &b| {
+        boxes[a][0][axis]
+            .total_cmp(&boxes[b][0][axis])
+            .then(a.cmp(&b))
+    });
     let mut found: Option<([usize; 2], NetworkError)> = None;
+    let mut crossed = BTreeSet::new();
     let mut open: Vec<usize> = Vec::new();
     for &s in &order {
         open.retain(|&other| boxes[other][1][axis] >= boxes[s][0][axis]);
@@ -30,13 +39,20 @@ pub(super) fn check_touching(segments: &Segments<'_>) -> Result<(), NetworkError
             });
             let pair = [s.min(other), s.max(other)];
             let earlier = found.as_ref().is_none_or(|(first, _)| pair < *first);
-            if !apart && earlier && let Some(error) = meeting(segments, pair, near) {
-                found = Some((pair, error));
+            if apart || !earlier {
+                continue;
+            }
+            match meeting(segments, pair, near) {
+                Some(NetworkError::Touching { curves: [a, b], .. }) if a == b => {
+                    crossed.insert(a);
+                }
+                Some(error) => found = Some((pair, error)),
+                None => {}
             }
         }
         open.push(s);
     }
-    found.map_or(Ok(()), |(_, error)| Err(error))
+    found.map_or(Ok(crossed), |(_, error)| Err(error))
 }
 
 fn longest_axis(boxes: &[[Point3<f64>; 2]]) -> usize {
@@ -53,7 +69,9 @@ fn meeting(segments: &Segments<'_>, pair: [usize; 2], near: f64) -> Option<Netwo
     let curves = [one.curve, two.curve];
     let place = |id: u32| segments.network.points()[id as usize];
     let ends = |s: usize| segments.list[s].points.map(place);
-    let shared: Vec<usize> = (0..2).filter(|&i| two.points.contains(&one.points[i])).collect();
+    let shared: Vec<usize> = (0..2)
+        .filter(|&i| two.points.contains(&one.points[i]))
+        .collect();
     match shared[..] {
         [] => {
             let (position, distance) = closest(ends(pair[0]), ends(pair[1]));
@@ -82,14 +100,31 @@ fn closest(one: [Point3<f64>; 2], two: [Point3<f64>; 2]) -> (Point3<f64>, f64) {
     let (d, e, r) = (one[1] - one[0], two[1] - two[0], one[0] - two[0]);
     let (dd, ee, de) = (d.norm_squared(), e.norm_squared(), d.dot(&e));
     let (dr, er) = (d.dot(&r), e.dot(&r));
-    let along = |t: f64| if dd > 0.0 { ((de * t - dr) / dd).clamp(0.0, 1.0) } else { 0.0 };
-    let across = |s: f64| if ee > 0.0 { ((de * s + er) / ee).clamp(0.0, 1.0) } else { 0.0 };
+    let along = |t: f64| {
+        if dd > 0.0 {
+            ((de * t - dr) / dd).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    };
+    let across = |s: f64| {
+        if ee > 0.0 {
+            ((de * s + er) / ee).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    };
     let denominator = dd * ee - de * de;
     // The minimum is inside both segments or at an end of one; of parallel ones, at an end.
     let inside = (denominator > 0.0)
         .then(|| ((de * er - ee * dr) / denominator).clamp(0.0, 1.0))
         .map(|s| [along(across(s)), across(s)]);
-    let at_ends = [[0.0, across(0.0)], [1.0, across(1.0)], [along(0.0), 0.0], [along(1.0), 1.0]];
+    let at_ends = [
+        [0.0, across(0.0)],
+        [1.0, across(1.0)],
+        [along(0.0), 0.0],
+        [along(1.0), 1.0],
+    ];
     let distance = |[s, t]: [f64; 2]| ((one[0] + d * s) - (two[0] + e * t)).norm();
     let candidates = inside.into_iter().chain(at_ends);
     let best = candidates.min_by(|a, b| distance(*a).total_cmp(&distance(*b)));

@@ -87,11 +87,18 @@ fn inside(from: Point2<f64>, piece: &Piece, flatness: f64) -> Vec<Point2<f64>> {
         return Vec::new();
     };
     // A chord of parameter length h is off by at most h² / 8 of the second derivative.
-    let bends = [from.coords - 2.0 * a.coords + b.coords, a.coords - 2.0 * b.coords + end.coords];
+    let bends = [
+        from.coords - 2.0 * a.coords + b.coords,
+        a.coords - 2.0 * b.coords + end.coords,
+    ];
     let second = 6.0 * bends[0].norm().max(bends[1].norm());
     let count = (second / (8.0 * flatness)).sqrt().ceil();
     // A comparison with NaN, of a drawing without size, gives one segment.
-    let count = if count >= 1.0 { (count as usize).min(MOST_SEGMENTS) } else { 1 };
+    let count = if count >= 1.0 {
+        (count as usize).min(MOST_SEGMENTS)
+    } else {
+        1
+    };
     let at = |i: usize| {
         let t = i as f64 / count as f64;
         let s = 1.0 - t;

@@ -149,7 +149,8 @@ fn line_at(bytes: &[u8], place: usize) -> u64 {
 
 /// Counts `\n`, `\r\n` and `\r`, each as one line.
 fn lines_in(bytes: &[u8]) -> u64 {
-    let ends = |i: usize| bytes[i] == b'\n' || (bytes[i] == b'\r' && bytes.get(i + 1) != Some(&b'\n'));
+    let ends =
+        |i: usize| bytes[i] == b'\n' || (bytes[i] == b'\r' && bytes.get(i + 1) != Some(&b'\n'));
     (0..bytes.len()).filter(|&i| ends(i)).count() as u64
 }
 

@@ -101,7 +101,9 @@ pub(super) fn strokes(
                 }
             }
             let mut stroke = Stroke::new(Point2::new(ends[0], ends[1]), line);
-            stroke.pieces.push(Piece::Line(Point2::new(ends[2], ends[3])));
+            stroke
+                .pieces
+                .push(Piece::Line(Point2::new(ends[2], ends[3])));
             Ok(vec![stroke])
         }
         _ => Ok(Vec::new()),

@@ -124,13 +124,19 @@ fn unary(
         let [s, t] = [a, b].map(|slot| tangents[half_edges[slot] as usize]);
         s.cross(&t).norm().atan2(s.dot(&t))
     };
-    let angles: Vec<f64> = (0..count * count).map(|i| angle(i / count, i % count)).collect();
+    let angles: Vec<f64> = (0..count * count)
+        .map(|i| angle(i / count, i % count))
+        .collect();
     let mate = |slot: usize| graph.mate(half_edges[slot]).map(|h| slots[h as usize]);
     let mates: Vec<Option<u8>> = (0..count).map(mate).collect();
     let cost = |order: u32| {
         let next = orders.next(order);
-        let tour: f64 = (0..count).map(|x| angles[x * count + next[x] as usize]).sum();
-        let close = (0..count).filter(|&x| count >= 4 && mates[x] == Some(next[x])).count();
+        let tour: f64 = (0..count)
+            .map(|x| angles[x * count + next[x] as usize])
+            .sum();
+        let close = (0..count)
+            .filter(|&x| count >= 4 && mates[x] == Some(next[x]))
+            .count();
         (tour, NEIGHBOURING_MATES * close as f64)
     };
     let both: Vec<(f64, f64)> = (0..orders.len() as u32).map(cost).collect();
@@ -198,7 +204,9 @@ impl Frame {
     }
 
     fn carry(&self, vector: &Vector3<f64>) -> Vector3<f64> {
-        (0..3).map(|i| self.end[i] * self.start[i].dot(vector)).sum()
+        (0..3)
+            .map(|i| self.end[i] * self.start[i].dot(vector))
+            .sum()
     }
 }
 
@@ -246,6 +254,10 @@ mod tests {
         let normal = |u: f64| Vector3::new(-u.cos(), -u.sin(), 0.0);
         let cosine = frame.carry(&normal(0.0)).dot(&normal(turns));
         let torsion = b / (c * c) * turns * c;
-        assert!((cosine - torsion.cos()).abs() < 1e-6, "{cosine} {}", torsion.cos());
+        assert!(
+            (cosine - torsion.cos()).abs() < 1e-6,
+            "{cosine} {}",
+            torsion.cos()
+        );
     }
 }

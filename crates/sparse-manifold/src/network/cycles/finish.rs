@@ -96,7 +96,9 @@ impl<'a> Sorted<'a> {
                     .collect();
                 points.iter().all(|point| on.contains(point))
             };
-            let found: Vec<usize> = (0..self.list.len()).filter(|&i| passes(&self.list[i])).collect();
+            let found: Vec<usize> = (0..self.list.len())
+                .filter(|&i| passes(&self.list[i]))
+                .collect();
             let &[cycle] = found.as_slice() else {
                 return Err(NetworkError::NotOneCycle {
                     list,
@@ -115,7 +117,9 @@ impl<'a> Sorted<'a> {
 
     /// Returns whether no cycle passes a junction twice.
     pub(super) fn is_sound(&self) -> bool {
-        self.list.iter().all(|cycle| repeated(self.graph, cycle).is_none())
+        self.list
+            .iter()
+            .all(|cycle| repeated(self.graph, cycle).is_none())
     }
 
     /// Returns the Euler characteristic of every component.

@@ -35,7 +35,9 @@ pub(super) fn cycles(
     if let Some(arc) = uses.iter().position(wrong) {
         return Err(NetworkError::GivenUses {
             curve: graph.arcs()[arc].curve,
-            ends: graph.arcs()[arc].ends.map(|v| graph.junctions()[v as usize].position),
+            ends: graph.arcs()[arc]
+                .ends
+                .map(|v| graph.junctions()[v as usize].position),
             uses: uses[arc].len(),
         });
     }
@@ -77,12 +79,16 @@ fn follow(
         let (a, b) = (points[from], points[to]);
         match found[..] {
             [h] => half_edges.push(h),
-            [] => return Err(format!(
-                "goes from point {a} to point {b}, which no arc joins that way; give junctions in order"
-            )),
-            _ => return Err(format!(
-                "goes from point {a} to point {b}, which several arcs join; give a point between them too"
-            )),
+            [] => {
+                return Err(format!(
+                    "goes from point {a} to point {b}, which no arc joins that way; give junctions in order"
+                ));
+            }
+            _ => {
+                return Err(format!(
+                    "goes from point {a} to point {b}, which several arcs join; give a point between them too"
+                ));
+            }
         }
         from = to;
     }

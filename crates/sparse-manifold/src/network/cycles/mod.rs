@@ -96,3 +96,28 @@ pub fn find_cycles(graph: &CurveGraph, options: &CycleOptions) -> Result<Cycles,
     let sorted = Sorted::of(graph, trace::cycles(&field, &best), options)?;
     Ok(sorted.finish(least.iter().sum(), restarts))
 }
+
+#[cfg(test)]
+pub(super) fn truth_energy(graph: &CurveGraph, patches: &[Vec<u32>]) -> Option<f64> {
+    use std::collections::BTreeMap;
+    let field = Field::new(graph);
+    let mut next: BTreeMap<u32, u32> = BTreeMap::new();
+    let at: BTreeMap<u32, usize> = graph.junctions().iter().enumerate().map(|(v, j)| (j.point, v)).collect();
+    for p in patches {
+        let hs: Vec<u32> = (0..p.len()).map(|i| {
+            let (a, b) = (at[&p[i]], at[&p[(i + 1) % p.len()]]);
+            *graph.junctions()[a].half_edges.iter().find(|&&h| graph.origin(h ^ 1) as usize == b).unwrap()
+        }).collect();
+        for i in 0..hs.len() { next.insert(hs[i], hs[(i + 1) % hs.len()]); }
+    }
+    let mut chosen = Vec::new();
+    for (v, j) in graph.junctions().iter().enumerate() {
+        let o = (0..field.orders[v].len() as u32).find(|&o| j.half_edges.iter().all(|&g| {
+            let n = next[&(g ^ 1)];
+            field.orders[v].previous(o)[field.slots[g as usize] as usize] == field.slots[n as usize]
+        }))?;
+        chosen.push(o);
+    }
+    let (component, _) = graph.components();
+    Some(search::energies(&field, &chosen, &component).iter().sum())
+}

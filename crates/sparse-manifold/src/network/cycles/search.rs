@@ -20,9 +20,6 @@ const MOST_REPAIRS: usize = 100;
 /// Pairs of orders tried on one arc: all of those of two junctions of up to five arcs.
 const MOST_PAIRS: usize = 24 * 24;
 
-/// A cycle so many times longer than the median is suspect.
-const LONG: usize = 3;
-
 /// Returns orders that no single change betters, from costs disturbed by noise.
 pub(super) fn start(field: &Field<'_>, deviation: f64, seed: u64) -> Vec<u32> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
@@ -175,12 +172,7 @@ impl Move {
 }
 
 /// Returns the part of the energy that depends on the orders of one or two junctions.
-fn cost_around(
-    field: &Field<'_>,
-    chosen: &[u32],
-    around: &[usize],
-    tracer: &mut Tracer,
-) -> f64 {
+fn cost_around(field: &Field<'_>, chosen: &[u32], around: &[usize], tracer: &mut Tracer) -> f64 {
     let local = |&v: &usize| field.local(&field.costs, v, chosen[v], chosen);
     let mut sum: f64 = around.iter().map(local).sum();
     if let [v, w] = around {
@@ -248,7 +240,7 @@ fn pair_moves(
     moves
 }
 
-/// Returns the junctions of cycles that pass one twice, or are much longer than most.
+/// Returns the junctions of cycles that pass one twice, or are longer than the median.
 fn suspects(field: &Field<'_>, chosen: &[u32]) -> BTreeSet<usize> {
     let cycles = cycles(field, chosen);
     let mut lengths: Vec<usize> = cycles.iter().map(Vec::len).collect();
@@ -256,8 +248,11 @@ fn suspects(field: &Field<'_>, chosen: &[u32]) -> BTreeSet<usize> {
     let median = lengths[lengths.len() / 2];
     let mut suspects = BTreeSet::new();
     for cycle in cycles {
-        let all: BTreeSet<usize> = cycle.iter().map(|&h| field.graph.origin(h) as usize).collect();
-        if all.len() < cycle.len() || cycle.len() > LONG * median {
+        let all: BTreeSet<usize> = cycle
+            .iter()
+            .map(|&h| field.graph.origin(h) as usize)
+            .collect();
+        if all.len() < cycle.len() || cycle.len() > median {
             suspects.extend(all);
         }
     }
