@@ -64,27 +64,20 @@ pub fn find_cycles(graph: &CurveGraph, options: &CycleOptions) -> Result<Cycles,
         return Ok(sorted.finish(0.0, 0));
     }
     let field = Field::new(graph);
-    let (component, components) = graph.components();
     let mut best: Vec<u32> = Vec::new();
-    let mut least = vec![f64::INFINITY; components as usize];
     let mut restarts = 0;
     while restarts < options.restarts.max(1) {
         let share = f64::from(restarts) / f64::from(options.restarts.max(2) - 1);
         let seed = options.seed.wrapping_add(u64::from(restarts));
-        let chosen = search::start(&field, options.noise * share, seed);
+        let mut chosen = search::start(&field, options.noise * share, seed);
         restarts += 1;
-        // The energy is a sum over components, so that each has its own best restart.
-        let energies = search::energies(&field, &chosen, &component);
         if best.is_empty() {
-            best.clone_from(&chosen);
-        }
-        for (v, &c) in component.iter().enumerate() {
-            if energies[c as usize] < least[c as usize] {
-                best[v] = chosen[v];
+            best = chosen;
+        } else {
+            if search::energy(&field, &chosen) < search::energy(&field, &best) {
+                std::mem::swap(&mut best, &mut chosen);
             }
-        }
-        for (least, energy) in least.iter_mut().zip(energies) {
-            *least = least.min(energy);
+            search::fuse(&field, &mut best, &chosen);
         }
         if let Some(expected) = options.expected_euler {
             let sorted = Sorted::of(graph, trace::cycles(&field, &best), options)?;
@@ -94,30 +87,5 @@ pub fn find_cycles(graph: &CurveGraph, options: &CycleOptions) -> Result<Cycles,
         }
     }
     let sorted = Sorted::of(graph, trace::cycles(&field, &best), options)?;
-    Ok(sorted.finish(least.iter().sum(), restarts))
-}
-
-#[cfg(test)]
-pub(super) fn truth_energy(graph: &CurveGraph, patches: &[Vec<u32>]) -> Option<f64> {
-    use std::collections::BTreeMap;
-    let field = Field::new(graph);
-    let mut next: BTreeMap<u32, u32> = BTreeMap::new();
-    let at: BTreeMap<u32, usize> = graph.junctions().iter().enumerate().map(|(v, j)| (j.point, v)).collect();
-    for p in patches {
-        let hs: Vec<u32> = (0..p.len()).map(|i| {
-            let (a, b) = (at[&p[i]], at[&p[(i + 1) % p.len()]]);
-            *graph.junctions()[a].half_edges.iter().find(|&&h| graph.origin(h ^ 1) as usize == b).unwrap()
-        }).collect();
-        for i in 0..hs.len() { next.insert(hs[i], hs[(i + 1) % hs.len()]); }
-    }
-    let mut chosen = Vec::new();
-    for (v, j) in graph.junctions().iter().enumerate() {
-        let o = (0..field.orders[v].len() as u32).find(|&o| j.half_edges.iter().all(|&g| {
-            let n = next[&(g ^ 1)];
-            field.orders[v].previous(o)[field.slots[g as usize] as usize] == field.slots[n as usize]
-        }))?;
-        chosen.push(o);
-    }
-    let (component, _) = graph.components();
-    Some(search::energies(&field, &chosen, &component).iter().sum())
+    Ok(sorted.finish(search::energy(&field, &best), restarts))
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
+use super::super::graph::NetworkArc;
 use super::energy::{Costs, Field};
 use super::trace::{Tracer, cycles};
 
@@ -19,6 +20,9 @@ const MOST_REPAIRS: usize = 100;
 
 /// Pairs of orders tried on one arc: all of those of two junctions of up to five arcs.
 const MOST_PAIRS: usize = 24 * 24;
+
+/// Junctions that are mirrored together at most.
+const MOST_MIRRORED: usize = 32;
 
 /// Returns orders that no single change betters, from costs disturbed by noise.
 pub(super) fn start(field: &Field<'_>, deviation: f64, seed: u64) -> Vec<u32> {
@@ -119,7 +123,8 @@ fn sweep(field: &Field<'_>, costs: &Costs, chosen: &mut [u32]) {
     }
 }
 
-/// Changes orders at suspect cycles, one or two at a time, while the whole energy falls.
+/// Changes orders at suspect cycles, one or two at a time, and mirrors groups, while the whole energy
+/// falls.
 fn repair(field: &Field<'_>, chosen: &mut [u32]) {
     let mut tracer = Tracer::new(field);
     for _ in 0..MOST_REPAIRS {
@@ -127,6 +132,9 @@ fn repair(field: &Field<'_>, chosen: &mut [u32]) {
         let mut moves = single_moves(field, chosen, &suspects, &mut tracer);
         if moves.is_empty() {
             moves = pair_moves(field, chosen, &suspects, &mut tracer);
+        }
+        if moves.is_empty() {
+            moves = mirror_moves(field, chosen, &mut tracer);
         }
         if moves.is_empty() {
             return;
@@ -141,7 +149,7 @@ fn repair(field: &Field<'_>, chosen: &mut [u32]) {
     }
 }
 
-/// New orders for one or two junctions.
+/// New orders for some junctions.
 struct Move {
     gain: f64,
     orders: Vec<(usize, u32)>,
@@ -171,16 +179,19 @@ impl Move {
     }
 }
 
-/// Returns the part of the energy that depends on the orders of one or two junctions.
+/// Returns the part of the energy that depends on the orders of some junctions.
 fn cost_around(field: &Field<'_>, chosen: &[u32], around: &[usize], tracer: &mut Tracer) -> f64 {
     let local = |&v: &usize| field.local(&field.costs, v, chosen[v], chosen);
     let mut sum: f64 = around.iter().map(local).sum();
-    if let [v, w] = around {
-        // Arcs between the two are in both sums.
-        for &h in &field.graph.junctions()[*v].half_edges {
-            if field.graph.origin(h ^ 1) as usize == *w {
-                let ends = field.graph.arc(h).ends.map(|v| chosen[v as usize]);
-                sum -= field.pair(&field.costs, h / 2, ends);
+    // Arcs between two of them are in the sums of both.
+    let mut inside = around.to_vec();
+    inside.sort_unstable();
+    for &v in around {
+        for &h in &field.graph.junctions()[v].half_edges {
+            let other = field.graph.origin(h ^ 1) as usize;
+            if h % 2 == 0 && other != v && inside.binary_search(&other).is_ok() {
+                let orders = [chosen[v], chosen[other]];
+                sum -= field.pair(&field.costs, h / 2, orders);
             }
         }
     }
@@ -240,6 +251,59 @@ fn pair_moves(
     moves
 }
 
+/// Returns the groups of junctions that are better seen from the other side.
+///
+/// Groups are those around a cycle, and those that grow together when arcs are joined in the order of
+/// how much they tell: a group that is mirrored as a whole hangs together firmly.
+fn mirror_moves(field: &Field<'_>, chosen: &mut [u32], tracer: &mut Tracer) -> Vec<Move> {
+    let mut groups: BTreeSet<Vec<usize>> = BTreeSet::new();
+    for cycle in cycles(field, chosen) {
+        let around = cycle.iter().map(|&h| field.graph.origin(h) as usize);
+        let around: BTreeSet<usize> = around.collect();
+        if around.len() <= MOST_MIRRORED {
+            groups.insert(around.into_iter().collect());
+        }
+    }
+    let arcs = field.graph.arcs();
+    let mut bonds = Vec::with_capacity(arcs.len());
+    for (index, arc) in arcs.iter().enumerate() {
+        let [v, w] = arc.ends.map(|v| v as usize);
+        let mirrored = field.orders[w].mirror(chosen[w]);
+        let alike = field.pair(&field.costs, index as u32, [chosen[v], chosen[w]]);
+        let other = field.pair(&field.costs, index as u32, [chosen[v], mirrored]);
+        bonds.push((other - alike, [v, w]));
+    }
+    // Stable, so that equal bonds keep the order of their arcs.
+    bonds.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut sets: Vec<u32> = (0..chosen.len() as u32).collect();
+    let mut members: Vec<Vec<usize>> = (0..chosen.len()).map(|v| vec![v]).collect();
+    for (_, ends) in bonds {
+        let [v, w] = ends.map(|v| root(&mut sets, v as u32) as usize);
+        if v == w {
+            continue;
+        }
+        let (low, high) = (v.min(w), v.max(w));
+        sets[high] = low as u32;
+        let joined = std::mem::take(&mut members[high]);
+        members[low].extend(joined);
+        if members[low].len() <= MOST_MIRRORED {
+            let mut group = members[low].clone();
+            group.sort_unstable();
+            groups.insert(group);
+        }
+    }
+    let mirrored = |group: &Vec<usize>| {
+        let order = |&v: &usize| (v, field.orders[v].mirror(chosen[v]));
+        Move::of(group.iter().map(order).collect())
+    };
+    let mut moves: Vec<Move> = groups.iter().map(mirrored).collect();
+    for one in &mut moves {
+        one.gain = one.weigh(field, chosen, tracer);
+    }
+    moves.retain(|one| one.gain < -LEAST_GAIN);
+    moves
+}
+
 /// Returns the junctions of cycles that pass one twice, or are longer than the median.
 fn suspects(field: &Field<'_>, chosen: &[u32]) -> BTreeSet<usize> {
     let cycles = cycles(field, chosen);
@@ -259,23 +323,58 @@ fn suspects(field: &Field<'_>, chosen: &[u32]) -> BTreeSet<usize> {
     suspects
 }
 
-/// Returns the energy of every connected component.
-pub(super) fn energies(field: &Field<'_>, chosen: &[u32], component: &[u32]) -> Vec<f64> {
-    let count = component.iter().max().map_or(0, |last| *last as usize + 1);
-    let mut energies = vec![0.0; count];
-    let mut members = vec![Vec::new(); count];
-    for (v, &c) in component.iter().enumerate() {
-        energies[c as usize] += 0.5 * field.costs.unary[v][chosen[v] as usize];
-        members[c as usize].push(v);
-    }
-    for (index, arc) in field.graph.arcs().iter().enumerate() {
-        let orders = arc.ends.map(|v| chosen[v as usize]);
-        let c = component[arc.ends[0] as usize];
-        energies[c as usize] += field.pair(&field.costs, index as u32, orders);
-    }
+/// Takes from other orders those that lower the energy, one connected group that differs at a time.
+///
+/// Restarts err in different places, so that together they are better than the best of them.
+pub(super) fn fuse(field: &Field<'_>, chosen: &mut [u32], other: &[u32]) {
     let mut tracer = Tracer::new(field);
-    for (c, members) in members.iter().enumerate() {
-        energies[c] += tracer.cost(field, chosen, members);
+    let mirror = |(v, &order): (usize, &u32)| field.orders[v].mirror(order);
+    let mirrored: Vec<u32> = other.iter().enumerate().map(mirror).collect();
+    for other in [other, &mirrored] {
+        for group in differences(field, chosen, other) {
+            let one = Move::of(group.into_iter().map(|v| (v, other[v])).collect());
+            if one.weigh(field, chosen, &mut tracer) < -LEAST_GAIN {
+                one.apply(chosen);
+            }
+        }
     }
-    energies
+}
+
+/// Returns the connected groups of junctions whose orders differ.
+fn differences(field: &Field<'_>, one: &[u32], two: &[u32]) -> Vec<Vec<usize>> {
+    let mut left: Vec<bool> = one.iter().zip(two).map(|(a, b)| a != b).collect();
+    let mut groups = Vec::new();
+    for start in 0..left.len() {
+        if !std::mem::take(&mut left[start]) {
+            continue;
+        }
+        let mut group = vec![start];
+        let mut next = 0;
+        while next < group.len() {
+            for &h in &field.graph.junctions()[group[next]].half_edges {
+                let neighbour = field.graph.origin(h ^ 1) as usize;
+                if std::mem::take(&mut left[neighbour]) {
+                    group.push(neighbour);
+                }
+            }
+            next += 1;
+        }
+        groups.push(group);
+    }
+    groups
+}
+
+/// Returns the whole energy.
+pub(super) fn energy(field: &Field<'_>, chosen: &[u32]) -> f64 {
+    let unary = field.costs.unary.iter().zip(chosen);
+    let unary: f64 = unary
+        .map(|(costs, &order)| 0.5 * costs[order as usize])
+        .sum();
+    let pair = |(index, arc): (usize, &NetworkArc)| {
+        let orders = arc.ends.map(|v| chosen[v as usize]);
+        field.pair(&field.costs, index as u32, orders)
+    };
+    let pairs: f64 = field.graph.arcs().iter().enumerate().map(pair).sum();
+    let all: Vec<usize> = (0..chosen.len()).collect();
+    unary + pairs + Tracer::new(field).cost(field, chosen, &all)
 }
