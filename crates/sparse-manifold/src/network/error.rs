@@ -119,6 +119,12 @@ pub enum NetworkError {
         /// How many cycles pass through them.
         count: usize,
     },
+    /// A cycle is named as a patch and as a hole.
+    #[error("the cycle through points {points:?} is given as `fill` and as `hole`; take one away")]
+    FilledHole {
+        /// The points given for the hole.
+        points: Vec<u32>,
+    },
     /// A cycle passes a junction twice.
     #[error(
         "a cycle of {corners} arcs passes point {point} ({}) twice and bounds no disc; \

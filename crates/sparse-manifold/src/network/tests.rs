@@ -364,10 +364,15 @@ fn holes_and_fillings_are_named_by_points() {
         };
         find_cycles(&graph, &options)
     };
-    let cycles = with(vec![vec![0, 3], vec![4, 7]], vec![vec![1, 2]]).expect("an open cube");
+    let cycles = with(vec![vec![4, 7]], vec![vec![1, 2]]).expect("an open cube");
     assert_eq!((cycles.report.patches, cycles.report.holes), (5, 1));
     let domain = NetworkDomain::build(&graph, &cycles).expect("a domain");
     assert_eq!(domain.mesh.topology().boundary_loops().len(), 1);
+    let error = with(vec![vec![0, 3]], vec![vec![1, 2]]).expect_err("both");
+    assert_eq!(
+        error.to_string(),
+        "the cycle through points [0, 3] is given as `fill` and as `hole`; take one away"
+    );
     let error = with(vec![vec![0, 1]], vec![]).expect_err("two cycles");
     assert_eq!(
         error.to_string(),
@@ -388,7 +393,7 @@ fn holes_and_fillings_are_named_by_points() {
         error.to_string(),
         "all 6 cycles are holes, so that there is no surface; fill one of them"
     );
-    // All but two sides that touch at one corner... along an edge they would not.
+    // Two opposite sides are left, and the arcs between them bound nothing.
     let cycles = with(sides[..4].iter().map(|s| corners(*s)).collect(), vec![]);
     let domain = NetworkDomain::build(&graph, &cycles.expect("two sides")).expect("two sheets");
     assert_eq!(domain.unused_arcs.len(), 4);

@@ -33,8 +33,7 @@ impl<'a> Sorted<'a> {
         for cycle in &mut sorted.list {
             cycle.hole = is_hole(graph, &cycle.half_edges, options.patch_corners);
         }
-        sorted.override_holes("fill", &options.fill)?;
-        sorted.override_holes("hole", &options.hole)?;
+        sorted.override_holes(options)?;
         Ok(sorted)
     }
 
@@ -45,8 +44,7 @@ impl<'a> Sorted<'a> {
         options: &CycleOptions,
     ) -> Result<Self, NetworkError> {
         let mut sorted = Self::new(graph, cycles);
-        sorted.override_holes("fill", &options.fill)?;
-        sorted.override_holes("hole", &options.hole)?;
+        sorted.override_holes(options)?;
         Ok(sorted)
     }
 
@@ -82,33 +80,41 @@ impl<'a> Sorted<'a> {
         }
     }
 
-    fn override_holes(
-        &mut self,
-        list: &'static str,
-        named: &[Vec<u32>],
-    ) -> Result<(), NetworkError> {
-        for points in named {
-            let passes = |cycle: &Cycle| {
-                let on: BTreeSet<u32> = cycle
-                    .half_edges
-                    .iter()
-                    .flat_map(|&h| self.graph.arc(h).points.iter().copied())
-                    .collect();
-                points.iter().all(|point| on.contains(point))
-            };
-            let found: Vec<usize> = (0..self.list.len())
-                .filter(|&i| passes(&self.list[i]))
-                .collect();
-            let &[cycle] = found.as_slice() else {
-                return Err(NetworkError::NotOneCycle {
-                    list,
-                    points: points.clone(),
-                    count: found.len(),
-                });
-            };
-            self.list[cycle].hole = list == "hole";
+    fn override_holes(&mut self, options: &CycleOptions) -> Result<(), NetworkError> {
+        let mut filled = BTreeSet::new();
+        for points in &options.fill {
+            let cycle = self.named("fill", points)?;
+            self.list[cycle].hole = false;
+            filled.insert(cycle);
+        }
+        for points in &options.hole {
+            let cycle = self.named("hole", points)?;
+            if filled.contains(&cycle) {
+                let points = points.clone();
+                return Err(NetworkError::FilledHole { points });
+            }
+            self.list[cycle].hole = true;
         }
         Ok(())
+    }
+
+    /// Returns the one cycle that passes all of some points.
+    fn named(&self, list: &'static str, points: &[u32]) -> Result<usize, NetworkError> {
+        let passes = |cycle: &Cycle| {
+            let along = |&h: &u32| self.graph.arc(h).points.iter().copied();
+            let on: BTreeSet<u32> = cycle.half_edges.iter().flat_map(along).collect();
+            points.iter().all(|point| on.contains(point))
+        };
+        let all = 0..self.list.len();
+        let found: Vec<usize> = all.filter(|&i| passes(&self.list[i])).collect();
+        match found[..] {
+            [cycle] => Ok(cycle),
+            _ => Err(NetworkError::NotOneCycle {
+                list,
+                points: points.to_vec(),
+                count: found.len(),
+            }),
+        }
     }
 
     fn component_of(&self, cycle: &Cycle) -> usize {

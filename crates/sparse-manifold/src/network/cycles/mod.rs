@@ -16,6 +16,7 @@ mod given;
 mod options;
 mod orders;
 mod search;
+mod ties;
 mod trace;
 
 use super::error::NetworkError;
@@ -86,6 +87,7 @@ pub fn find_cycles(graph: &CurveGraph, options: &CycleOptions) -> Result<Cycles,
             }
         }
     }
+    ties::settle(&field, &mut best);
     let sorted = Sorted::of(graph, trace::cycles(&field, &best), options)?;
     Ok(sorted.finish(search::energy(&field, &best), restarts))
 }

@@ -150,17 +150,23 @@ fn repair(field: &Field<'_>, chosen: &mut [u32]) {
 }
 
 /// New orders for some junctions.
-struct Move {
+pub(super) struct Move {
     gain: f64,
     orders: Vec<(usize, u32)>,
 }
 
 impl Move {
+    /// Returns the move that mirrors a group of junctions.
+    pub(super) fn mirror(field: &Field<'_>, chosen: &[u32], group: &[usize]) -> Self {
+        let order = |&v: &usize| (v, field.orders[v].mirror(chosen[v]));
+        Self::of(group.iter().map(order).collect())
+    }
+
     fn of(orders: Vec<(usize, u32)>) -> Self {
         Self { gain: 0.0, orders }
     }
 
-    fn apply(&self, chosen: &mut [u32]) -> Vec<(usize, u32)> {
+    pub(super) fn apply(&self, chosen: &mut [u32]) -> Vec<(usize, u32)> {
         let old = self.orders.iter().map(|&(v, _)| (v, chosen[v])).collect();
         for &(v, order) in &self.orders {
             chosen[v] = order;
@@ -169,7 +175,7 @@ impl Move {
     }
 
     /// Returns the change of the whole energy.
-    fn weigh(&self, field: &Field<'_>, chosen: &mut [u32], tracer: &mut Tracer) -> f64 {
+    pub(super) fn weigh(&self, field: &Field<'_>, chosen: &mut [u32], tracer: &mut Tracer) -> f64 {
         let around: Vec<usize> = self.orders.iter().map(|pair| pair.0).collect();
         let before = cost_around(field, chosen, &around, tracer);
         let old = Self::of(self.apply(chosen));
@@ -252,10 +258,21 @@ fn pair_moves(
 }
 
 /// Returns the groups of junctions that are better seen from the other side.
-///
-/// Groups are those around a cycle, and those that grow together when arcs are joined in the order of
-/// how much they tell: a group that is mirrored as a whole hangs together firmly.
 fn mirror_moves(field: &Field<'_>, chosen: &mut [u32], tracer: &mut Tracer) -> Vec<Move> {
+    let mut moves: Vec<Move> = groups(field, chosen)
+        .iter()
+        .map(|group| Move::mirror(field, chosen, group))
+        .collect();
+    for one in &mut moves {
+        one.gain = one.weigh(field, chosen, tracer);
+    }
+    moves.retain(|one| one.gain < -LEAST_GAIN);
+    moves
+}
+
+/// Returns the groups of junctions that may be mirrored as a whole: those around a cycle, and those
+/// that grow together when arcs are joined in the order of how much they tell.
+pub(super) fn groups(field: &Field<'_>, chosen: &[u32]) -> BTreeSet<Vec<usize>> {
     let mut groups: BTreeSet<Vec<usize>> = BTreeSet::new();
     for cycle in cycles(field, chosen) {
         let around = cycle.iter().map(|&h| field.graph.origin(h) as usize);
@@ -292,16 +309,7 @@ fn mirror_moves(field: &Field<'_>, chosen: &mut [u32], tracer: &mut Tracer) -> V
             groups.insert(group);
         }
     }
-    let mirrored = |group: &Vec<usize>| {
-        let order = |&v: &usize| (v, field.orders[v].mirror(chosen[v]));
-        Move::of(group.iter().map(order).collect())
-    };
-    let mut moves: Vec<Move> = groups.iter().map(mirrored).collect();
-    for one in &mut moves {
-        one.gain = one.weigh(field, chosen, tracer);
-    }
-    moves.retain(|one| one.gain < -LEAST_GAIN);
-    moves
+    groups
 }
 
 /// Returns the junctions of cycles that pass one twice, or are longer than the median.
