@@ -20,6 +20,22 @@ const BYTES_PER_BYTE: usize = 64;
 /// Messages, and what the test program itself does meanwhile.
 const SLACK: usize = 1 << 16;
 
+fn curve_seeds() -> Vec<(&'static str, Vec<u8>)> {
+    vec![
+        (
+            "a.curves",
+            b"v 0 0 0\nv 1 0 0\nv 0 1 0 # top\nc 1 2 3 1\nk 0 1 0\nc 1 2 3\n".to_vec(),
+        ),
+        (
+            "a.svg",
+            b"<svg><g transform='rotate(30 1 2)' id='crease'><path d='M 0 0 c 1 2 3 4 5 6 z'/>\n\
+              <polygon points='0 0 1 0 1 1'/></g><line x1='3' y2='4e0'/></svg>"
+                .to_vec(),
+        ),
+        ("a.creases", b"# i j s\n1 2 3.5\n2 2 10\n".to_vec()),
+    ]
+}
+
 fn seeds() -> Vec<(&'static str, Vec<u8>)> {
     let ply = |format: &str| {
         format!(
@@ -80,17 +96,6 @@ fn seeds() -> Vec<(&'static str, Vec<u8>)> {
         ),
         ("a.npy", npy("(2, 3)")),
         ("a.npy", npy("(3, 1, 2)")),
-        (
-            "a.curves",
-            b"v 0 0 0\nv 1 0 0\nv 0 1 0 # top\nc 1 2 3 1\nk 0 1 0\nc 1 2 3\n".to_vec(),
-        ),
-        (
-            "a.svg",
-            b"<svg><g transform='rotate(30 1 2)' id='crease'><path d='M 0 0 c 1 2 3 4 5 6 z'/>\n\
-              <polygon points='0 0 1 0 1 1'/></g><line x1='3' y2='4e0'/></svg>"
-                .to_vec(),
-        ),
-        ("a.creases", b"# i j s\n1 2 3.5\n2 2 10\n".to_vec()),
     ]
 }
 
@@ -184,7 +189,7 @@ proptest! {
         which in 0..12usize,
         damage in prop::collection::vec(damages(), 0..4),
     ) {
-        let (name, mut file) = seeds().swap_remove(which);
+        let (name, mut file) = [seeds(), curve_seeds()].concat().swap_remove(which);
         damage.iter().for_each(|damage| apply(damage, &mut file));
         let before = ALLOCATOR.current_usage();
         ALLOCATOR.reset_peak_usage();

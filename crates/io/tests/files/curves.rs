@@ -37,10 +37,24 @@ fn curves_have_points_polylines_and_creases() {
     assert_eq!(read_curves(&path).unwrap(), read);
 }
 
+/// Checks that a triangle's points with these rows are refused with these texts.
+fn check_refusals(cases: &[(&str, &str)]) {
+    for (rows, text) in cases {
+        let refused = refusal("a.curves", &format!("{POINTS}{rows}\n"));
+        assert!(
+            refused.starts_with("a.curves (curve network), line "),
+            "{refused}"
+        );
+        assert!(refused.contains(text), "{refused}");
+        assert!(refused.contains("correct it there"), "{refused}");
+    }
+}
+
+const POINTS: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
 #[test]
 fn broken_curves_are_refused_with_their_line() {
-    let points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-    for (rows, text) in [
+    check_refusals(&[
         (
             "c 1 4",
             "line 4: the curve names point 4, but there are 3, from 1",
@@ -63,6 +77,12 @@ fn broken_curves_are_refused_with_their_line() {
             "line 4: the curve goes from point 2 to point 2, which is the same place",
         ),
         ("c 1 2 1", "goes from point 1 to point 2 and straight back"),
+    ]);
+}
+
+#[test]
+fn broken_rows_are_refused_with_their_line() {
+    check_refusals(&[
         (
             "c 1 2\nk 0 1",
             "line 5: there are 2 crease flags for 1 segments",
@@ -96,21 +116,17 @@ fn broken_curves_are_refused_with_their_line() {
             "curve 1 2",
             "line 4: `curve` starts no row of a curve network",
         ),
-    ] {
-        let refused = refusal("a.curves", &format!("{points}{rows}\n"));
-        assert!(
-            refused.starts_with("a.curves (curve network), line "),
-            "{refused}"
-        );
-        assert!(refused.contains(text), "{refused}");
-        assert!(refused.contains("correct it there"), "{refused}");
-    }
-    assert!(refusal("a.curves", points).contains("holds no curves; give `c` rows"));
+    ]);
+}
+
+#[test]
+fn files_without_curves_are_refused() {
+    assert!(refusal("a.curves", POINTS).contains("holds no curves; give `c` rows"));
     assert_eq!(
         refusal("a.curves", ""),
         "a.curves is empty; export it again"
     );
-    let refused = refusal("a.step", points);
+    let refused = refusal("a.step", POINTS);
     assert!(
         refused.contains("give a .curves, OBJ or SVG file"),
         "{refused}"

@@ -217,8 +217,8 @@ impl<'a> Builder<'a> {
             let sum: Vector3<f64> = around.map(|v| self.positions[v as usize].coords).sum();
             let mean = Point3::from(sum / (2 * count) as f64);
             let centre = self.vertex(DomainVertex::Centre { cycle: *cycle }, mean);
-            for i in 0..count {
-                faces.push([corners[i], middle(i), centre, middle(i + count - 1)]);
+            for (i, &corner) in corners.iter().enumerate() {
+                faces.push([corner, middle(i), centre, middle(i + count - 1)]);
                 cycles.push(*cycle);
             }
         }

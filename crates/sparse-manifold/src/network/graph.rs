@@ -208,7 +208,7 @@ impl CurveGraph {
     #[must_use]
     pub fn tangent(&self, half_edge: u32) -> Vector3<f64> {
         let shape = &self.arc(half_edge).shape;
-        if half_edge % 2 == 0 {
+        if half_edge.is_multiple_of(2) {
             shape.tangent(0.0)
         } else {
             -shape.tangent(shape.length())

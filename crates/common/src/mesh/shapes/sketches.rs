@@ -1,5 +1,6 @@
 //! Curve networks as one would sketch them: a mushroom, and a dome like a helmet.
 
+use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
 use nalgebra::{Point3, Vector3};
@@ -131,121 +132,131 @@ impl Revolution {
     }
 }
 
-/// Returns a dome like a helmet: the upper half of an ellipsoid over `size` by `size` quads on top and
-/// half as many around, open below, with a crease over its middle from front to back.
+/// Returns a dome like a helmet: the upper half of an ellipsoid, with `size` by `size` quads on top and
+/// half as many rows around, open below, with a crease over its middle from front to back.
 ///
 /// # Panics
 /// If `size` is odd or zero.
 #[must_use]
 pub fn dome_network(size: u32) -> KnownNetwork {
-    assert!(size > 0 && size % 2 == 0, "a dome has a middle");
-    let fine = size * STEPS;
-    let half = fine / 2;
-    let mut points = Vec::new();
-    // Columns run over the top from the lower edge to the lower edge, in both directions.
-    let place = |u: f64, v: f64, face: Vector3<f64>, x: Vector3<f64>, y: Vector3<f64>| {
-        let [a, b] = [u, v].map(|t| (FRAC_PI_4 * t).tan());
-        let p = (face + x * a + y * b).normalize();
-        Point3::new(1.0 * p.x, 1.3 * p.y, 0.9 * p.z)
-    };
-    let mut ids = std::collections::BTreeMap::new();
-    let mut id = |key: [i64; 3], p: Point3<f64>| {
-        *ids.entry(key).or_insert_with(|| {
-            points.push(p);
-            points.len() as u32 - 1
-        })
-    };
-    let n = i64::from(fine);
-    let t = |i: i64| 2.0 * i as f64 / n as f64 - 1.0;
-    // A point of the cube [0, n]³, whose lower half is cut off.
-    let mut on_cube = |key: [i64; 3]| {
-        let [i, j, k] = key;
-        let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
-        let p = if k == n {
-            place(t(i), t(j), z, x, y)
-        } else if i == 0 || i == n {
-            place(t(j), t(k), x * t(i), y, z)
-        } else {
-            place(t(i), t(k), y * t(j), x, z)
-        };
-        id(key, p)
-    };
-    let low = n - i64::from(half);
-    let arch = |across: i64, along_x: bool| -> Vec<[i64; 3]> {
-        let up = (low..n).map(|k| [0, k]);
-        let over = (0..=n).map(|i| [i, n]);
-        let down = (low..n).rev().map(|k| [n, k]);
-        let turned = |[i, k]: [i64; 2]| {
-            if along_x {
-                [i, across, k]
-            } else {
-                [across, i, k]
-            }
-        };
-        up.chain(over).chain(down).map(turned).collect()
-    };
-    let belt = |k: i64| -> Vec<[i64; 3]> {
-        let sides = [
-            (0..n).map(|i| [i, 0, k]).collect::<Vec<_>>(),
-            (0..n).map(|j| [n, j, k]).collect(),
-            (0..n).map(|i| [n - i, n, k]).collect(),
-            (0..=n).map(|j| [0, n - j, k]).collect(),
-        ];
-        sides.concat()
-    };
-    let step = i64::from(STEPS);
+    assert!(size > 0 && size.is_multiple_of(2), "a dome has a middle");
+    let mut dome = Dome::new(i64::from(size * STEPS));
     let mut curves = Vec::new();
-    let mut curve = |keys: Vec<[i64; 3]>, crease: bool| {
-        let points = keys.into_iter().map(&mut on_cube).collect();
+    for (keys, crease) in dome.lines() {
+        let points = keys.into_iter().map(|key| dome.id(key)).collect();
         curves.push(if crease {
             Curve::crease(points)
         } else {
             Curve::smooth(points)
         });
-    };
-    for c in 1..i64::from(size) {
-        curve(arch(c * step, true), false);
-        curve(arch(c * step, false), 2 * c == i64::from(size));
     }
-    for k in (low..n).step_by(STEPS as usize) {
-        curve(belt(k), false);
-    }
-    // Three patches meet at a corner of the cube, where its edges end.
-    for side in belt(n).chunks(fine as usize).take(4).enumerate() {
-        let mut edge = side.1.to_vec();
-        edge.push(belt(n)[(side.0 + 1) * fine as usize]);
-        curve(edge, false);
-    }
-    for [i, j] in [[0, 0], [n, 0], [n, n], [0, n]] {
-        curve((low..=n).map(|k| [i, j, k]).collect(), false);
-    }
-    let mut cells = Vec::new();
-    for a in (0..n).step_by(STEPS as usize) {
-        let b = a + step;
-        for c in (0..n).step_by(STEPS as usize) {
-            let d = c + step;
-            cells.push([[a, c, n], [b, c, n], [b, d, n], [a, d, n]]);
-        }
-        for k in (low..n).step_by(STEPS as usize) {
-            let l = k + step;
-            cells.push([[a, 0, k], [b, 0, k], [b, 0, l], [a, 0, l]]);
-            cells.push([[b, n, k], [a, n, k], [a, n, l], [b, n, l]]);
-            cells.push([[n, a, k], [n, b, k], [n, b, l], [n, a, l]]);
-            cells.push([[0, b, k], [0, a, k], [0, a, l], [0, b, l]]);
-        }
-    }
-    let patches = cells
-        .into_iter()
-        .map(|cell| cell.map(&mut on_cube).to_vec())
-        .collect();
-    let opening = belt(low).into_iter().step_by(STEPS as usize);
-    let mut opening: Vec<u32> = opening.map(&mut on_cube).collect();
+    let cells = dome.cells().into_iter();
+    let patches = cells.map(|cell| cell.map(|key| dome.id(key)).to_vec());
+    let patches = patches.collect();
+    let mut opening = dome.belt(dome.low);
+    // Its last point is its first; the opening lies on the other side.
     opening.pop();
     opening.reverse();
+    opening.rotate_right(1);
+    let opening = opening.into_iter().step_by(STEPS as usize);
+    let openings = vec![opening.map(|key| dome.id(key)).collect()];
     KnownNetwork {
-        network: CurveNetwork::build(points, curves).expect("arches are curves"),
+        network: CurveNetwork::build(dome.points, curves).expect("arches are curves"),
         patches,
-        openings: vec![opening],
+        openings,
+    }
+}
+
+/// Points on the upper half of the cube `[0, n]³`, blown up to an ellipsoid.
+struct Dome {
+    n: i64,
+    low: i64,
+    ids: BTreeMap<[i64; 3], u32>,
+    points: Vec<Point3<f64>>,
+}
+
+impl Dome {
+    fn new(n: i64) -> Self {
+        Self {
+            n,
+            low: n / 2,
+            ids: BTreeMap::new(),
+            points: Vec::new(),
+        }
+    }
+
+    fn id(&mut self, key: [i64; 3]) -> u32 {
+        // Equal angles instead of equal lengths make even quads; edges of the cube stay in place.
+        let t = key.map(|i| (FRAC_PI_4 * (2.0 * i as f64 / self.n as f64 - 1.0)).tan());
+        let points = &mut self.points;
+        *self.ids.entry(key).or_insert_with(|| {
+            let p = Vector3::from(t).normalize();
+            points.push(Point3::new(p.x, 1.3 * p.y, 0.9 * p.z));
+            points.len() as u32 - 1
+        })
+    }
+
+    /// Returns the line around the dome at height `k`, closed.
+    fn belt(&self, k: i64) -> Vec<[i64; 3]> {
+        let n = self.n;
+        let front = (0..n).map(|i| [i, 0, k]);
+        let right = (0..n).map(|j| [n, j, k]);
+        let back = (0..n).map(|i| [n - i, n, k]);
+        let left = (0..=n).map(|j| [0, n - j, k]);
+        front.chain(right).chain(back).chain(left).collect()
+    }
+
+    /// Returns the line over the dome in one direction.
+    fn arch(&self, place: impl Fn(i64, i64) -> [i64; 3]) -> Vec<[i64; 3]> {
+        let (n, low) = (self.n, self.low);
+        let up = (low..n).map(|k| place(0, k));
+        let over = (0..=n).map(|i| place(i, n));
+        let down = (low..n).rev().map(|k| place(n, k));
+        up.chain(over).chain(down).collect()
+    }
+
+    /// Returns all curves, and whether each is a crease.
+    fn lines(&self) -> Vec<(Vec<[i64; 3]>, bool)> {
+        let (n, step) = (self.n, STEPS as usize);
+        let mut lines = Vec::new();
+        for c in (0..n).step_by(step).skip(1) {
+            lines.push((self.arch(|i, k| [i, c, k]), false));
+            lines.push((self.arch(|i, k| [c, i, k]), 2 * c == n));
+        }
+        for k in (self.low..n).step_by(step) {
+            lines.push((self.belt(k), false));
+        }
+        // Three patches meet at a corner of the cube, where its edges end.
+        let top = self.belt(n);
+        for side in 0..4 {
+            let from = side * n as usize;
+            lines.push((top[from..=from + n as usize].to_vec(), false));
+        }
+        for [i, j] in [[0, 0], [n, 0], [n, n], [0, n]] {
+            lines.push(((self.low..=n).map(|k| [i, j, k]).collect(), false));
+        }
+        lines
+    }
+
+    /// Returns the corners of all quads, counter-clockwise seen from outside.
+    fn cells(&self) -> Vec<[[i64; 3]; 4]> {
+        let (n, step) = (self.n, i64::from(STEPS));
+        let mut cells = Vec::new();
+        for a in (0..n).step_by(STEPS as usize) {
+            let b = a + step;
+            for c in (0..n).step_by(STEPS as usize) {
+                let d = c + step;
+                cells.push([[a, c, n], [b, c, n], [b, d, n], [a, d, n]]);
+            }
+            for k in (self.low..n).step_by(STEPS as usize) {
+                let l = k + step;
+                cells.push([[a, 0, k], [b, 0, k], [b, 0, l], [a, 0, l]]);
+                cells.push([[b, n, k], [a, n, k], [a, n, l], [b, n, l]]);
+                cells.push([[n, a, k], [n, b, k], [n, b, l], [n, a, l]]);
+                cells.push([[0, b, k], [0, a, k], [0, a, l], [0, b, l]]);
+            }
+        }
+        cells
     }
 }
 
@@ -255,7 +266,7 @@ mod tests {
 
     /// Returns how often each arc is passed, by the junctions at its ends in order.
     fn check(known: &KnownNetwork) {
-        let mut sides = std::collections::BTreeMap::new();
+        let mut sides = BTreeMap::new();
         for cycle in known.patches.iter().chain(&known.openings) {
             for (i, &a) in cycle.iter().enumerate() {
                 let b = cycle[(i + 1) % cycle.len()];
