@@ -98,6 +98,27 @@ pub enum ReadError {
         /// How many vertices it holds.
         vertices: usize,
     },
+    /// The file is in no format of curve networks.
+    #[error(
+        "{} is in no format of curve networks; give a .curves, OBJ or SVG file, with that extension",
+        path.display()
+    )]
+    NotCurves {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file holds no curve.
+    #[error(
+        "{} ({format}) holds no curves; give `c` rows in a .curves file, `l` lines in an OBJ file, \
+         or paths in an SVG file",
+        path.display()
+    )]
+    NoCurves {
+        /// The file.
+        path: PathBuf,
+        /// Its format.
+        format: Format,
+    },
     /// There are more vertices or face corners than 32-bit ids can name.
     #[error(
         "{} ({format}) holds {vertices} vertices and {corners} face corners, more than 32-bit \

@@ -19,6 +19,12 @@ pub enum Format {
     Stl,
     /// NumPy's array, which is no mesh.
     Npy,
+    /// Text of a curve network, which is no mesh.
+    Curves,
+    /// Scalable vector graphics: a curve network in the plane, which is no mesh.
+    Svg,
+    /// Creases of a control mesh.
+    Creases,
 }
 
 impl Format {
@@ -45,6 +51,9 @@ impl Format {
             "off" | "coff" | "noff" => Some(Self::Off),
             "ply" => Some(Self::Ply),
             "stl" => Some(Self::Stl),
+            "curves" => Some(Self::Curves),
+            "svg" => Some(Self::Svg),
+            "creases" => Some(Self::Creases),
             _ => None,
         }
     }
@@ -58,6 +67,9 @@ impl fmt::Display for Format {
             Self::Ply => "PLY",
             Self::Stl => "STL",
             Self::Npy => "npy",
+            Self::Curves => "curve network",
+            Self::Svg => "SVG",
+            Self::Creases => "creases",
         })
     }
 }

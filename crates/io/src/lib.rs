@@ -1,4 +1,4 @@
-//! Readers and writers of surface meshes and of arrays.
+//! Readers and writers of surface meshes, of curve networks and of arrays.
 //!
 //! [`read_soup`] takes OBJ, OFF, PLY and STL files and returns what they say, in file order, with
 //! nothing about the mesh checked: an index may lie outside, a coordinate may be NaN. Whether the
@@ -9,18 +9,25 @@
 //! [`write_surface`] writes PLY, OBJ, VTU and glb. Every file is written beside its target and
 //! renamed, so that a target is whole or absent, and the same surface gives the same bytes.
 //!
+//! [`read_curves`] takes curve networks from `.curves`, OBJ and SVG files, and [`read_creases`] the
+//! creases beside a control mesh.
+//!
 //! [`read_npy`] and [`write_npy`] take arrays of numbers from and to NumPy, under the same rules.
 //!
 //! | format | read | write | coordinates written | attributes written |
 //! |---|---|---|---|---|
 //! | PLY | text, both binary orders, strips | binary, little-endian | double | all |
-//! | OBJ | polygons, vertex colours | text | double | none |
+//! | OBJ | polygons, vertex colours; lines as curves | text | double | none |
 //! | OFF | text, also with normals and colours | | | |
 //! | STL | text, binary | | | |
 //! | VTU | | XML with base64 data | double | all |
 //! | glb | | glTF 2.0 | single | colours |
+//! | curves | text | | | |
+//! | SVG | paths, lines, polylines, polygons | | | |
+//! | creases | text | | | |
 //! | npy | floating-point and whole numbers, both byte orders | binary | double | |
 
+mod curves;
 mod digest;
 mod error;
 mod format;
@@ -35,6 +42,7 @@ mod stl;
 mod text;
 mod vtu;
 
+pub use curves::{Creases, parse_creases, parse_curves, read_creases, read_curves};
 pub use digest::sha256_file;
 pub use error::{Place, ReadError};
 pub use format::Format;

@@ -94,7 +94,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<PolygonSoup, Fault> {
 }
 
 /// Returns the next line without its comment, joined with the lines it continues on.
-fn next_statement<'a>(lines: &mut Lines<'a>) -> Option<Cow<'a, [u8]>> {
+pub(crate) fn next_statement<'a>(lines: &mut Lines<'a>) -> Option<Cow<'a, [u8]>> {
     let mut statement = Cow::Borrowed(without_comment(lines.next()?));
     while let Some(kept) = statement.trim_ascii_end().strip_suffix(b"\\") {
         let length = kept.len();

@@ -5,7 +5,8 @@
 use std::path::Path;
 
 use msplines_common::mesh::PolygonSoup;
-use msplines_io::{Array, ReadError, parse_npy, parse_soup};
+use msplines_common::mesh::curves::CurveNetwork;
+use msplines_io::{Array, Creases, ReadError, parse_creases, parse_curves, parse_npy, parse_soup};
 use peak_alloc::PeakAlloc;
 use proptest::prelude::*;
 
@@ -18,6 +19,22 @@ const BYTES_PER_BYTE: usize = 64;
 
 /// Messages, and what the test program itself does meanwhile.
 const SLACK: usize = 1 << 16;
+
+fn curve_seeds() -> Vec<(&'static str, Vec<u8>)> {
+    vec![
+        (
+            "a.curves",
+            b"v 0 0 0\nv 1 0 0\nv 0 1 0 # top\nc 1 2 3 1\nk 0 1 0\nc 1 2 3\n".to_vec(),
+        ),
+        (
+            "a.svg",
+            b"<svg><g transform='rotate(30 1 2)' id='crease'><path d='M 0 0 c 1 2 3 4 5 6 z'/>\n\
+              <polygon points='0 0 1 0 1 1'/></g><line x1='3' y2='4e0'/></svg>"
+                .to_vec(),
+        ),
+        ("a.creases", b"# i j s\n1 2 3.5\n2 2 10\n".to_vec()),
+    ]
+}
 
 fn seeds() -> Vec<(&'static str, Vec<u8>)> {
     let ply = |format: &str| {
@@ -148,13 +165,17 @@ fn apply(damage: &Damage, file: &mut Vec<u8>) {
 enum Content {
     Soup(PolygonSoup),
     Array(Array),
+    Curves(CurveNetwork),
+    Creases(Creases),
 }
 
 fn parse(path: &Path, file: &[u8]) -> Result<Content, ReadError> {
-    if path.extension().is_some_and(|extension| extension == "npy") {
-        parse_npy(path, file).map(Content::Array)
-    } else {
-        parse_soup(path, file).map(Content::Soup)
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    match extension {
+        Some("npy") => parse_npy(path, file).map(Content::Array),
+        Some("curves" | "svg") => parse_curves(path, file).map(Content::Curves),
+        Some("creases") => parse_creases(path, file).map(Content::Creases),
+        _ => parse_soup(path, file).map(Content::Soup),
     }
 }
 
@@ -165,10 +186,10 @@ proptest! {
 
     #[test]
     fn damage_is_answered_in_bounded_memory(
-        which in 0..9usize,
+        which in 0..12usize,
         damage in prop::collection::vec(damages(), 0..4),
     ) {
-        let (name, mut file) = seeds().swap_remove(which);
+        let (name, mut file) = [seeds(), curve_seeds()].concat().swap_remove(which);
         damage.iter().for_each(|damage| apply(damage, &mut file));
         let before = ALLOCATOR.current_usage();
         ALLOCATOR.reset_peak_usage();
@@ -187,6 +208,17 @@ proptest! {
             Ok(Content::Array(array)) => {
                 let count = array.shape.iter().fold(1, |product: usize, &n| product.saturating_mul(n));
                 prop_assert_eq!(array.values.len(), count);
+            }
+            Ok(Content::Curves(network)) => {
+                let points = network.points().len();
+                for curve in network.curves() {
+                    prop_assert!(curve.points.iter().all(|&p| (p as usize) < points));
+                    prop_assert_eq!(curve.points.len(), curve.creases.len() + 1);
+                }
+            }
+            Ok(Content::Creases(creases)) => {
+                prop_assert_eq!(creases.tags.len(), creases.lines.len());
+                prop_assert!(creases.tags.iter().all(|tag| tag.sharpness >= 0.0));
             }
             Err(error) => prop_assert!(error.to_string().contains(name)),
         }

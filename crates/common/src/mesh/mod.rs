@@ -29,6 +29,7 @@ mod triangle;
 #[cfg(test)]
 mod repair_tests;
 
+pub mod curves;
 pub mod polygon;
 pub mod shapes;
 pub mod zoo;

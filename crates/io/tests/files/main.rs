@@ -1,6 +1,7 @@
 //! Reading and writing whole files.
 
 mod common;
+mod curves;
 mod errors;
 mod libraries;
 mod models;

@@ -6,14 +6,18 @@
 mod control;
 mod grid;
 mod implicit;
+mod networks;
 mod round;
 mod sharp;
+mod sketches;
 
 pub use control::{box_surface, jittered, quad_patch, slab_with_holes, trapezohedron, voxels};
 pub use grid::{cylinder, height_field, torus, torus_knot, vase};
 pub use implicit::genus;
+pub use networks::{KnownNetwork, limit_network};
 pub use round::{bumpy_sphere, sphere};
 pub use sharp::{cube, nut};
+pub use sketches::{Opening, dome_network, mushroom_network};
 
 use nalgebra::Point3;
 
