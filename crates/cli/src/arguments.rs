@@ -78,6 +78,8 @@ pub(crate) enum Fit {
     Biharmonic(Biharmonic),
     /// A least-squares mesh.
     LsMesh(LsMesh),
+    /// A smooth manifold with creases over a mesh of quads.
+    SparseManifold(SparseManifold),
 }
 
 /// What every fit takes.
@@ -228,6 +230,93 @@ pub(crate) struct LsMesh {
     pub(crate) hard: bool,
 }
 
+/// `msplines fit sparse-manifold`.
+#[derive(Debug, Args)]
+pub(crate) struct SparseManifold {
+    /// Control mesh of quads (OBJ, OFF or PLY), whose Catmull-Clark surface is approximated; with
+    /// --scan a mesh of triangles that is itself approximated.
+    pub(crate) input: PathBuf,
+    /// File to write, more than one by repeating: .ply, .vtu, .glb or .obj for the surface, .json
+    /// for the spline.
+    #[arg(short, long = "output", value_name = "OUT")]
+    pub(crate) outputs: Vec<PathBuf>,
+    /// Sharp edges and corners: rows of two vertex numbers from 1, the same twice for a corner, and a
+    /// sharpness, 10 for always. Where absent, the file beside the mesh that is named alike and ends
+    /// in .creases; `none` for a smooth surface.
+    #[arg(long, value_name = "FILE|none")]
+    pub(crate) creases: Option<PathBuf>,
+    /// Most functions that a chart is a combination of.
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) sparsity: u32,
+    /// Which function comes next.
+    #[arg(long, value_enum, default_value_t = AtomSelection::Plain)]
+    pub(crate) selection: AtomSelection,
+    /// Catmull-Clark steps whose points are approximated.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=6))]
+    pub(crate) levels: u32,
+    /// How the function of a chart is found.
+    #[arg(long, value_enum, default_value_t = LocalFit::Sparse)]
+    pub(crate) local: LocalFit,
+    /// Let all charts have kinks, not only those that a sharp edge or corner touches.
+    #[arg(long)]
+    pub(crate) open_gate: bool,
+    /// Vertices whose charts stay smooth whatever touches them, counted from 0.
+    #[arg(long, value_name = "V,...", value_delimiter = ',')]
+    pub(crate) smooth_charts: Vec<u32>,
+    /// The settings of the paper: two levels, 25 functions for each coordinate, kinks everywhere.
+    #[arg(long, conflicts_with_all = ["sparsity", "selection", "levels", "local", "open_gate"])]
+    pub(crate) paper: bool,
+    /// Put a mesh with other faces than quads through one Catmull-Clark step.
+    #[arg(long)]
+    pub(crate) refine_polygons: bool,
+    /// How semi-sharp edges get smooth.
+    #[arg(long, value_enum, default_value_t = CreaseRule::Uniform)]
+    pub(crate) crease_rule: CreaseRule,
+    /// Round the corners of an open mesh, too.
+    #[arg(long)]
+    pub(crate) smooth_corners: bool,
+    /// Approximate the input itself: it is decimated to so many vertices, whose faces become quads.
+    #[arg(long, value_name = "VERTICES", conflicts_with_all = ["creases", "refine_polygons"])]
+    pub(crate) scan: Option<usize>,
+    /// Cut every face of the surface into so many by so many cells.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) tessellate: u32,
+    /// Write only the digest of the mesh file into a .json, not the mesh.
+    #[arg(long)]
+    pub(crate) domain_by_digest: bool,
+}
+
+/// Which function of a chart comes next.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum AtomSelection {
+    /// The one closest to what is left: orthogonal matching pursuit.
+    Omp,
+    /// The one that leaves least: order-recursive matching pursuit.
+    Ormp,
+    /// The one of largest correlation, whatever its length.
+    Plain,
+}
+
+/// How the function of a chart is found.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum LocalFit {
+    /// A few of many functions.
+    Sparse,
+    /// All polynomials up to a degree, by least squares.
+    Polynomial,
+    /// Splines, by least squares.
+    Spline,
+}
+
+/// How semi-sharp edges get smooth.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum CreaseRule {
+    /// By one each step.
+    Uniform,
+    /// The same, after averaging with their neighbours.
+    Chaikin,
+}
+
 /// `msplines evaluate`.
 #[derive(Debug, Args)]
 pub(crate) struct Evaluate {
@@ -236,7 +325,8 @@ pub(crate) struct Evaluate {
     /// The mesh that was fitted, where the spline file holds only its digest.
     #[arg(long, value_name = "INPUT")]
     pub(crate) mesh: Option<PathBuf>,
-    /// Rounds of midpoint subdivision at whose vertices the spline is evaluated.
+    /// Rounds of midpoint subdivision at whose vertices the spline is evaluated; of a sparse manifold,
+    /// the number of times that the side of every face is halved.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=8))]
     pub(crate) subdivide: u32,
     /// File to write, more than one by repeating: .ply, .vtu, .glb or .obj for the surface, .json

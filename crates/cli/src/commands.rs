@@ -14,6 +14,7 @@ use msplines_ls_mesh::Constraints;
 use crate::arguments::{
     BiharmonicChoices, Combine, Decompose, Edit, Effort, Evaluate, Fit, FitFiles, Selection,
 };
+use crate::manifold;
 use crate::session::{Failure, Session};
 
 /// Attributes that hold the colours of vertices.
@@ -21,12 +22,18 @@ const COLOURS: [&str; 3] = ["red", "green", "blue"];
 
 /// Fits a spline.
 pub(crate) fn fit(fit: &Fit, session: &Session) -> Result<u8, Failure> {
-    let (files, method) = match fit {
-        Fit::Biharmonic(arguments) => (&arguments.files, biharmonic(arguments)?),
-        Fit::LsMesh(arguments) => (&arguments.files, ls_mesh(arguments)),
+    let (input, case) = match fit {
+        Fit::Biharmonic(arguments) => {
+            let files = &arguments.files;
+            (&files.input, case(files, biharmonic(arguments)?, session))
+        }
+        Fit::LsMesh(arguments) => {
+            let files = &arguments.files;
+            (&files.input, case(files, ls_mesh(arguments), session))
+        }
+        Fit::SparseManifold(arguments) => (&arguments.input, manifold::case(arguments, session)),
     };
-    let case = case(files, method, session);
-    let label = format!("{} {}", case.method.name(), file_name(&files.input));
+    let label = format!("{} {}", case.method.name(), file_name(input));
     session.observe(&label, |observer| {
         run::run(&case, session.process_start, observer)
     })

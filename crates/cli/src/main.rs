@@ -14,6 +14,7 @@ mod arguments;
 mod commands;
 mod info;
 mod interrupt;
+mod manifold;
 mod session;
 
 use std::process::ExitCode;

@@ -128,6 +128,9 @@ pub enum RunError {
     /// The least-squares mesh failed.
     #[error("ls-mesh: {0}")]
     LsMesh(#[from] msplines_ls_mesh::FitError),
+    /// The sparse manifold failed.
+    #[error("sparse-manifold: {0}")]
+    SparseManifold(#[from] msplines_sparse_manifold::FitError),
     /// The fitted or stored spline could not be evaluated.
     #[error(transparent)]
     Spline(#[from] SplineFileError),
@@ -159,6 +162,7 @@ impl RunError {
             | Self::Array { .. }
             | Self::NoSuchAttribute { .. } => exit::INPUT,
             Self::Spline(error) => error.exit_code(),
+            Self::SparseManifold(error) => manifold_exit_code(error),
             Self::Task { .. }
             | Self::Biharmonic(FitError::CreaseAngle { .. } | FitError::WeightsWithL1)
             | Self::Combine(CombineError::Factor { .. })
@@ -186,6 +190,21 @@ impl RunError {
             | Self::Distance(_)
             | Self::NotFinite { .. } => exit::METHOD,
         }
+    }
+}
+
+/// Options that mean nothing are told from meshes that are refused.
+fn manifold_exit_code(error: &msplines_sparse_manifold::FitError) -> u8 {
+    use msplines_sparse_manifold::FitError;
+    match error {
+        FitError::NoAtoms
+        | FitError::EmptyCharts
+        | FitError::Levels { .. }
+        | FitError::Degree { .. }
+        | FitError::NoSuchChart { .. }
+        | FitError::Number { .. } => exit::USAGE,
+        FitError::ControlMesh(_) | FitError::NotFinite { .. } => exit::INPUT,
+        _ => exit::METHOD,
     }
 }
 
@@ -280,6 +299,12 @@ pub enum SplineFileError {
     /// The parts do not make a least-squares mesh.
     #[error("ls-mesh: {0}")]
     LsMesh(#[from] msplines_ls_mesh::FitError),
+    /// The parts do not make a sparse manifold.
+    #[error("sparse-manifold: {0}")]
+    SparseManifold(#[from] msplines_sparse_manifold::SplineError),
+    /// A domain of polygons, or a spline over one, where triangles are needed.
+    #[error("the spline lives on polygons, not on triangles; evaluate it by itself")]
+    Polygons,
     /// The spline could not be evaluated.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
@@ -290,7 +315,7 @@ impl SplineFileError {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::VerticesOnly | Self::DomainMissing { .. } => exit::USAGE,
+            Self::VerticesOnly | Self::Polygons | Self::DomainMissing { .. } => exit::USAGE,
             Self::Biharmonic(_) | Self::Space(_) | Self::LsMesh(_) | Self::Evaluate(_) => {
                 exit::METHOD
             }

@@ -69,6 +69,10 @@ pub(crate) fn fit(
             let fit = ls_mesh::fit(&input.mesh, values, &options, &mut timed)?;
             Ok(Fitted::of_ls_mesh(fit, &options))
         }
+        Method::SparseManifold(_) => Err(RunError::Task {
+            task: "spline over triangles",
+            method: case.method.name(),
+        }),
     }
 }
 

@@ -97,6 +97,33 @@ pub fn load(input: &Input, clock: &mut PhaseClock) -> Result<LoadedInput, RunErr
                 warnings: Vec::new(),
             }
         }
+        Input::Control(shape) => {
+            let refused = |reason: String| RunError::Input {
+                file: shape.to_string(),
+                reason,
+            };
+            let (mesh, _) = shape.mesh();
+            let mut soup = PolygonSoup {
+                positions: mesh.positions().to_vec(),
+                ..PolygonSoup::default()
+            };
+            for face in mesh.topology().faces() {
+                soup.push_face(face.iter().map(|&v| i64::from(v)));
+            }
+            let accepted = accept(&soup, Policy::Refuse).map_err(|e| refused(e.to_string()))?;
+            let digest = mesh_digest(&accepted.mesh);
+            LoadedInput {
+                facts: facts(
+                    &accepted.mesh,
+                    shape.to_string(),
+                    digest,
+                    InputKind::Polygons,
+                ),
+                attributes: Vec::new(),
+                warnings: Vec::new(),
+                mesh: accepted.mesh,
+            }
+        }
         Input::File { path, repair } => {
             let file = file_name(path);
             let refused = |reason: String| RunError::Input {
@@ -168,6 +195,7 @@ pub fn load_domain(
 ) -> Result<LoadedInput, RunError> {
     let (embedded, repair) = match &spline.domain {
         StoredDomain::Embedded { mesh } => (Some(mesh.restore()?), false),
+        StoredDomain::Polygons { .. } => return Err(SplineFileError::Polygons.into()),
         StoredDomain::Digest { repair, .. } => (None, *repair),
     };
     let loaded = match given {
@@ -207,7 +235,7 @@ pub fn load_domain(
                 warnings: Vec::new(),
             })
         }
-        (None, None, StoredDomain::Embedded { .. }) => unreachable!("embedded meshes are restored"),
+        (None, None, _) => unreachable!("embedded meshes are restored"),
     }
 }
 

@@ -7,7 +7,7 @@ use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_io::{Array, Surface, write_atomically, write_npy, write_surface};
 
 use crate::error::RunError;
-use crate::run::RunOutput;
+use crate::run::{Companion, RunOutput};
 use crate::spline_file::SplineFile;
 
 /// Extensions that surfaces are written to.
@@ -158,7 +158,52 @@ pub fn write_row_files(folder: &Path, output: &RunOutput) -> Result<(), RunError
     output
         .frames
         .iter()
-        .try_for_each(|frame| frame.write(folder))
+        .try_for_each(|frame| frame.write(folder))?;
+    output
+        .companions
+        .iter()
+        .try_for_each(|companion| write_companion(folder, companion))
+}
+
+/// Writes a surface beside the spline, and the lines on it as pairs of vertices.
+fn write_companion(folder: &Path, companion: &Companion) -> Result<(), RunError> {
+    let name = companion.name;
+    if let Some(mesh) = &companion.mesh {
+        let path = folder.join(companion_surface(name));
+        let surface = Surface {
+            positions: mesh.positions(),
+            faces: mesh.faces(),
+            attributes: &[],
+        };
+        write_surface(&path, &surface).map_err(|e| RunError::Write {
+            path,
+            reason: e.to_string(),
+        })?;
+    }
+    for (lines, pairs) in [
+        (EDGE_LINES, &companion.edges),
+        (CREASE_LINES, &companion.creases),
+    ] {
+        let path = folder.join(companion_lines(name, lines));
+        let values = pairs.as_flattened().iter().map(|&v| f64::from(v)).collect();
+        write_array(&path, vec![pairs.len(), 2], values)?;
+    }
+    Ok(())
+}
+
+/// Lines along the edges of a control mesh.
+pub(crate) const EDGE_LINES: &str = "edges";
+/// Lines along those edges that are sharp.
+pub(crate) const CREASE_LINES: &str = "creases";
+
+/// Returns the file of a surface beside the spline.
+pub(crate) fn companion_surface(name: &str) -> String {
+    format!("{name}-surface.ply")
+}
+
+/// Returns the file of lines on it.
+pub(crate) fn companion_lines(name: &str, lines: &str) -> String {
+    format!("{name}-{lines}.npy")
 }
 
 fn attributes(values: &[f64], names: &[String]) -> Vec<VertexAttribute> {

@@ -17,7 +17,7 @@ pub struct Record {
     pub schema: String,
     /// The program that ran.
     pub tool: Tool,
-    /// `biharmonic` or `ls-mesh`.
+    /// `biharmonic`, `ls-mesh` or `sparse-manifold`.
     pub method: String,
     /// Facts of the input mesh.
     pub input: InputFacts,

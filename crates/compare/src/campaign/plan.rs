@@ -4,10 +4,11 @@ use std::path::Path;
 
 use super::{Campaign, RowResult};
 use crate::animation::Animation;
-use crate::case::{Case, Input, Task};
+use crate::case::{Case, Creases, Input, Task};
 use crate::experiment::{Ancestors, Row, RowFrames, ViewHint};
-use crate::generated::GeneratedSurface;
 use crate::models::{Located, Manifest, Provenance};
+use crate::run::creases_file;
+use msplines_io::sha256_file;
 
 /// What becomes of a row.
 pub(super) struct Plan {
@@ -53,22 +54,18 @@ pub(super) fn plan(
         (Some(Some(model)), _) => match model.locate(models) {
             Located::Found(path) => {
                 let repair = false;
-                (
-                    Input::File { path, repair },
-                    model.sha256.clone(),
-                    model.view,
-                )
+                let digest = with_creases(&path, &model.sha256, row);
+                (Input::File { path, repair }, digest, model.view)
             }
             Located::Missing(why) => return not(RowResult::NotRun(why)),
         },
-        (None, surface) => match surface.as_deref().unwrap_or_default().parse() {
-            Ok(surface) => {
-                let surface: GeneratedSurface = surface;
-                let digest = format!("generated {surface}");
-                (Input::Surface(surface), digest, None)
+        (None, surface) => {
+            let name = surface.as_deref().unwrap_or_default();
+            match row.generated(name) {
+                Ok(input) => (input, format!("generated {name}"), None),
+                Err(error) => return not(RowResult::Failed(error)),
             }
-            Err(error) => return not(RowResult::Failed(error.to_string())),
-        },
+        }
     };
     let animation = row.over_time.as_ref();
     let animation = animation.map(|asked| animation_of(row, asked, manifest, models));
@@ -91,6 +88,15 @@ pub(super) fn plan(
             }),
         },
         Err(error) => not(RowResult::Failed(error.to_string())),
+    }
+}
+
+/// Returns the digest of a model together with that of the file beside it that says what is sharp.
+fn with_creases(path: &Path, sha256: &str, row: &Row) -> String {
+    let beside = creases_file(path, &Creases::Beside).filter(|_| row.takes_control_mesh());
+    match beside.and_then(|file| sha256_file(&file).ok()) {
+        Some(creases) => format!("{sha256} {creases}"),
+        None => sha256.to_owned(),
     }
 }
 

@@ -71,6 +71,8 @@ pub enum Show {
     Knots,
     /// An attribute of the stored surface as colours on it.
     Field,
+    /// The surface that a sparse manifold approximates, shaded.
+    Target,
 }
 
 /// What the numbers of a field look like.

@@ -2,6 +2,7 @@
 
 mod column;
 mod figure;
+mod manifold;
 mod over_time;
 mod property;
 mod row;
@@ -11,13 +12,12 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::generated::GeneratedSurface;
-
 pub use column::{Column, Notation};
 pub use figure::{
     Axis, Callout, Corner, Edges, FieldColours, FieldScale, Figure, Panel, Plot, Show, UpAxis,
     ViewHint,
 };
+pub use manifold::{LocalName, RowManifold, Settings, Tags};
 pub use over_time::RowFrames;
 pub use property::{Measured, Property, splines};
 pub use row::{Ancestors, MethodName, Printed, Recorded, Row, RowData};
@@ -232,8 +232,8 @@ impl Experiment {
         if let Some(problem) = row.knots_problem().or_else(|| row.frames_problem()) {
             return Some(problem);
         }
-        if let Some(Err(error)) = row.surface.as_ref().map(|s| s.parse::<GeneratedSurface>()) {
-            return Some(error.to_string());
+        if let Some(problem) = row.surface.as_deref().and_then(|s| row.surface_problem(s)) {
+            return Some(problem);
         }
         if row.printed.error.is_some() && row.tolerance <= 0.0 {
             return Some("a printed error needs a `tolerance`".to_owned());

@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use msplines_biharmonic::Selection;
 use serde::{Deserialize, Serialize};
 
-use super::RowFrames;
+use super::{RowFrames, RowManifold};
 use crate::case::{
     Amount, AmountError, Case, CaseCreases, Data, Input, Knots, Method, Task, Weights,
 };
+use crate::generated::{ControlShape, GeneratedSurface};
 
 /// One row of an experiment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,6 +36,8 @@ pub struct Row {
     /// What is fitted.
     #[serde(default)]
     pub data: RowData,
+    /// Options of a sparse manifold.
+    pub manifold: Option<RowManifold>,
     /// Frames of an animation, in place of one surface.
     pub over_time: Option<RowFrames>,
     /// How knots are chosen; the method's default where absent.
@@ -102,6 +105,8 @@ pub enum MethodName {
     Biharmonic,
     /// Least-squares mesh.
     LsMesh,
+    /// Sparse manifold.
+    SparseManifold,
 }
 
 impl MethodName {
@@ -111,6 +116,7 @@ impl MethodName {
         match self {
             Self::Biharmonic => "biharmonic",
             Self::LsMesh => "ls-mesh",
+            Self::SparseManifold => "sparse-manifold",
         }
     }
 
@@ -120,6 +126,7 @@ impl MethodName {
         match self {
             Self::Biharmonic => "biharmonic B-spline",
             Self::LsMesh => "least-squares mesh",
+            Self::SparseManifold => "sparse manifold",
         }
     }
 }
@@ -206,6 +213,13 @@ impl Row {
     /// Returns what is wrong with the fields that say how many knots there are.
     pub(super) fn knots_problem(&self) -> Option<String> {
         let takes_places = self.method == MethodName::Biharmonic;
+        if self.method == MethodName::SparseManifold {
+            let given = self.knots.is_some() || self.knots_from.is_some();
+            return given.then(|| "a sparse manifold has no knots; leave them out".to_owned());
+        }
+        if self.manifold.is_some() {
+            return Some("`manifold` goes with sparse manifolds; leave it out".to_owned());
+        }
         match (&self.knots, &self.knots_from) {
             (Some(_), Some(_)) | (None, None) => {
                 Some("give either `knots` or `knots_from`".to_owned())
@@ -221,6 +235,32 @@ impl Row {
             (Some(text), None) if takes_places => text.parse::<Knots>().err().map(|e| refused(&e)),
             (Some(text), None) => text.parse::<Amount>().err().map(|e| refused(&e)),
         }
+    }
+
+    /// Returns whether the input is a control mesh, and not a surface of triangles.
+    #[must_use]
+    pub fn takes_control_mesh(&self) -> bool {
+        let scan = self.manifold.as_ref().and_then(|options| options.scan);
+        self.method == MethodName::SparseManifold && scan.is_none()
+    }
+
+    /// Returns the generated input of this name.
+    ///
+    /// # Errors
+    /// A name that nothing has, and what there is.
+    pub fn generated(&self, name: &str) -> Result<Input, String> {
+        if self.takes_control_mesh() {
+            let shape = name.parse::<ControlShape>().map_err(|e| e.to_string())?;
+            return Ok(Input::Control(shape));
+        }
+        let surface = name
+            .parse::<GeneratedSurface>()
+            .map_err(|e| e.to_string())?;
+        Ok(Input::Surface(surface))
+    }
+
+    pub(super) fn surface_problem(&self, name: &str) -> Option<String> {
+        self.generated(name).err()
     }
 
     /// Returns how many knots are asked for, as tables say it.
@@ -264,6 +304,10 @@ impl Row {
             }
             (MethodName::Biharmonic, None) => Method::biharmonic(asked.parse()?),
             (MethodName::LsMesh, _) => Method::ls_mesh(asked.parse()?),
+            (MethodName::SparseManifold, _) => {
+                let options = self.manifold.clone().unwrap_or_default();
+                Method::SparseManifold(Box::new(options.method()))
+            }
         };
         if let Method::Biharmonic(method) = &mut method {
             method.effort = self.effort.unwrap_or(method.effort);

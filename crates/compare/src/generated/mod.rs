@@ -1,6 +1,7 @@
 //! Surfaces and data made from formulas, so that everything runs without a single model file.
 
 mod colours;
+mod control;
 
 use std::fmt;
 use std::str::FromStr;
@@ -12,6 +13,7 @@ use sha2::{Digest, Sha256};
 use crate::input::hexadecimal;
 
 pub use colours::{colour_image, colour_pattern};
+pub use control::{ControlShape, UnknownShape};
 
 /// About how many vertices each surface has.
 const VERTICES: usize = 20_000;

@@ -3,6 +3,7 @@
 mod edits;
 mod frames;
 mod layers;
+mod manifold;
 mod properties;
 mod shared_space;
 mod sums;
@@ -16,7 +17,7 @@ use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_common::progress::{Observer, Outcome, Progress};
 use serde_json::{Value, json};
 
-use crate::case::{Case, Data, DomainStorage, Input, Task};
+use crate::case::{Case, Data, DomainStorage, Input, Method, Task};
 use crate::clock::{PhaseClock, process_usage};
 use crate::error::RunError;
 use crate::fit::{Fitted, fit};
@@ -24,10 +25,12 @@ use crate::input::{FitData, LoadedInput, fit_data, load, load_domain};
 use crate::measure::{self, Measured};
 use crate::output::{check_outputs, write_outputs};
 use crate::record::{RUN_SCHEMA, Record, Tool};
-use crate::spline_file::{SplineFile, StoredDomain, StoredMesh};
+use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
 
 pub use edits::Shift;
 pub use frames::ShownFrame;
+pub use manifold::Companion;
+pub(crate) use manifold::creases_file;
 
 /// What a run gives.
 #[derive(Clone, Debug)]
@@ -48,6 +51,8 @@ pub struct RunOutput {
     pub knots: Vec<Point3<f64>>,
     /// Frames of an animation that pictures show; the spline and its values are those of the last.
     pub frames: Vec<ShownFrame>,
+    /// Further surfaces that pictures show.
+    pub companions: Vec<Companion>,
 }
 
 /// Runs a case and writes its outputs.
@@ -65,6 +70,9 @@ pub fn run(
     check_outputs(&case.outputs)?;
     let mut clock = PhaseClock::start(process_start);
     announce("read", observer);
+    if let Method::SparseManifold(method) = &case.method {
+        return manifold::run(case, method, &mut clock, observer);
+    }
     let input = prepared(load(&case.input, &mut clock)?, case)?;
     if let Some(over_time) = frames::asked(case, &input)? {
         return frames::run(case, &over_time, &input, &mut clock, observer);
@@ -116,6 +124,7 @@ pub fn run(
         names: data.names,
         fields: produced.fields,
         frames: Vec::new(),
+        companions: Vec::new(),
     })
 }
 
@@ -221,6 +230,9 @@ pub fn evaluate(
     let mut clock = PhaseClock::start(process_start);
     enter("read", &mut clock, observer);
     let mut spline = SplineFile::read(&evaluation.spline)?;
+    if let StoredSpline::SparseManifold(_) = spline.spline {
+        return manifold::evaluate(evaluation, spline, &mut clock, observer);
+    }
     let input = load_domain(
         &spline,
         evaluation.mesh.as_deref(),
@@ -273,6 +285,7 @@ pub fn evaluate(
         names,
         fields: Vec::new(),
         frames: Vec::new(),
+        companions: Vec::new(),
     })
 }
 

@@ -53,6 +53,10 @@ impl SharedSpace {
                 options: ls_mesh_options(*controls, *selection, *constraints, mesh)?,
                 space: Box::new(ls_mesh::Space::assemble(mesh)?),
             }),
+            Method::SparseManifold(_) => Err(RunError::Task {
+                task: "data over time",
+                method: case.method.name(),
+            }),
         }
     }
 

@@ -4,6 +4,7 @@
 //! loses nothing in a file. Knots and control vertices are listed, so that anyone can count them.
 
 mod biharmonic;
+mod manifold;
 
 use std::io::Write;
 use std::path::Path;
@@ -18,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{RunError, SplineFileError};
 
 pub use biharmonic::StoredBiharmonic;
+pub use manifold::{StoredChart, StoredManifold, StoredPolygons};
 
 /// The schema of [`SplineFile`].
 pub const SPLINE_SCHEMA: &str = "msplines.spline/1";
@@ -51,6 +53,11 @@ pub enum StoredDomain {
     Embedded {
         /// Positions and faces.
         mesh: StoredMesh,
+    },
+    /// A mesh of polygons itself.
+    Polygons {
+        /// Positions and faces.
+        polygons: StoredPolygons,
     },
 }
 
@@ -108,6 +115,8 @@ pub enum StoredSpline {
         /// How the control values bind.
         constraints: Constraints,
     },
+    /// A sparse manifold.
+    SparseManifold(StoredManifold),
 }
 
 impl StoredSpline {
@@ -129,7 +138,21 @@ impl StoredSpline {
     pub(crate) fn biharmonic(&self, task: &'static str) -> Result<&StoredBiharmonic, RunError> {
         match self {
             Self::Biharmonic(stored) => Ok(stored),
-            Self::LsMesh { .. } => Err(RunError::Task {
+            Self::LsMesh { .. } | Self::SparseManifold(_) => Err(RunError::Task {
+                task,
+                method: self.method(),
+            }),
+        }
+    }
+
+    /// Returns the sparse manifold that this is.
+    ///
+    /// # Errors
+    /// A spline of another method, which does not have the `task`.
+    pub(crate) fn manifold(&self, task: &'static str) -> Result<&StoredManifold, RunError> {
+        match self {
+            Self::SparseManifold(stored) => Ok(stored),
+            Self::Biharmonic(_) | Self::LsMesh { .. } => Err(RunError::Task {
                 task,
                 method: self.method(),
             }),
@@ -142,6 +165,7 @@ impl StoredSpline {
         match self {
             Self::Biharmonic(_) => "biharmonic",
             Self::LsMesh { .. } => "ls-mesh",
+            Self::SparseManifold(_) => "sparse-manifold",
         }
     }
 
@@ -151,6 +175,7 @@ impl StoredSpline {
         match self {
             Self::Biharmonic(spline) => spline.dimension,
             Self::LsMesh { dimension, .. } => *dimension,
+            Self::SparseManifold(_) => 3,
         }
     }
 
@@ -160,6 +185,7 @@ impl StoredSpline {
         match self {
             Self::Biharmonic(spline) => &spline.knots,
             Self::LsMesh { controls, .. } => controls,
+            Self::SparseManifold(_) => &[],
         }
     }
 
@@ -171,7 +197,7 @@ impl StoredSpline {
     pub fn knot_places(&self, mesh: &TriangleMesh) -> Vec<Point3<f64>> {
         let added = match self {
             Self::Biharmonic(spline) => spline.added_points.as_slice(),
-            Self::LsMesh { .. } => &[],
+            Self::LsMesh { .. } | Self::SparseManifold(_) => &[],
         };
         let place = |&knot: &u32| match mesh.positions().get(knot as usize) {
             Some(vertex) => *vertex,
@@ -227,6 +253,7 @@ impl StoredSpline {
                 }
                 Ok(spline.extension_by(scheme, rounds)?)
             }
+            Self::SparseManifold(_) => Err(SplineFileError::Polygons),
             Self::LsMesh { .. } if rounds > 0 => Err(SplineFileError::VerticesOnly),
             Self::LsMesh {
                 dimension,

@@ -19,6 +19,8 @@ const TURNED_EDGES: usize = 60_000;
 const FEW_EDGES: f64 = 3_000.0;
 /// Thinnest and thickest edge in pixels of a picture of 1,000 pixels.
 const EDGE_WIDTHS: [f64; 2] = [0.6, 2.0];
+/// Width of a crease, in widths of an edge.
+const CREASE_WIDTH: f64 = 2.0;
 /// Smallest and largest radius of a knot in pixels of a picture of 1,000 pixels.
 const KNOT_RADII: [f64; 2] = [2.5, 7.0];
 /// Side of a picture over the distance of its knots, about: so many share it.
@@ -49,6 +51,8 @@ struct Stage<'a> {
     edges: Vec<[u32; 2]>,
     edge_colour: Rgb,
     edge_width: f64,
+    /// Edges that are drawn red.
+    creases: Vec<[u32; 2]>,
     shading: Shading,
     knots: &'a [Point3<f64>],
     camera: Camera,
@@ -67,6 +71,7 @@ pub(super) fn draw(
     let mesh = match (panel.show, &fitted) {
         (_, Some(fitted)) => fitted,
         (Show::Spline | Show::Field, None) => &source.spline,
+        (Show::Target, None) => &source.target()?.0,
         (Show::Input | Show::Knots | Show::Error, None) => framed(panel, source),
     };
     let stage = stage(panel, subject, mesh, scale);
@@ -81,7 +86,7 @@ pub(super) fn draw(
 fn framed<'a>(panel: &Panel, source: &'a Source) -> &'a TriangleMesh {
     match panel.show {
         Show::Knots => source.input(),
-        Show::Input | Show::Spline | Show::Error | Show::Field => source.original(),
+        Show::Input | Show::Spline | Show::Error | Show::Field | Show::Target => source.original(),
     }
 }
 
@@ -101,15 +106,31 @@ fn stage<'a>(
     let source = subject.source;
     let (paint, colours) = paint(&subject.values, scale);
     let is_image = panel.show == Show::Spline;
+    let lines = match panel.show {
+        Show::Input => source.lines().map(|[control, _]| control),
+        Show::Spline | Show::Field => source.lines().map(|[_, spline]| spline),
+        Show::Target => source.target().ok().map(|target| &target.1),
+        Show::Error | Show::Knots => None,
+    };
     let edges = match (panel.edges, panel.show) {
         (Edges::None, _) => Vec::new(),
+        (Edges::Domain, _) if lines.is_some() => lines.map_or_else(Vec::new, |l| l.edges.clone()),
         (Edges::Domain, Show::Spline | Show::Field) => source.domain_edges(),
         (Edges::Domain, _) => edges(mesh.faces()),
+    };
+    let creases = match (panel.edges, lines) {
+        (Edges::Domain, Some(lines)) => lines.creases.clone(),
+        _ => Vec::new(),
+    };
+    let facets = match panel.show {
+        Show::Spline | Show::Target => false,
+        Show::Field => lines.is_none(),
+        Show::Input | Show::Knots | Show::Error => true,
     };
     // The images of edges come in pieces.
     let pieces = match panel.show {
         Show::Spline | Show::Field => source.pieces_per_edge(),
-        Show::Input | Show::Knots | Show::Error => 1.0,
+        Show::Input | Show::Knots | Show::Error | Show::Target => 1.0,
     };
     let count = edges.len() as f64 / pieces;
     let [thinnest, thickest] = EDGE_WIDTHS;
@@ -123,10 +144,16 @@ fn stage<'a>(
         paint,
         colours,
         edges,
-        edge_colour: if is_image { Rgb::RED } else { EDGE },
+        // Creases are red where there are any to tell.
+        edge_colour: if is_image && lines.is_none() {
+            Rgb::RED
+        } else {
+            EDGE
+        },
+        creases,
         edge_width: (thickest * (FEW_EDGES / count).sqrt()).clamp(thinnest, thickest),
         // A coarse mesh is shown as the facets that it is.
-        shading: if !is_image && count <= FEW_EDGES && panel.edges == Edges::Domain {
+        shading: if facets && count <= FEW_EDGES && panel.edges == Edges::Domain {
             Shading::Flat
         } else {
             Shading::Smooth
@@ -188,6 +215,12 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
         let curves = Curves::new(positions, &stage.edges)
             .colour(stage.edge_colour)
             .width(stage.edge_width * per_thousand);
+        scene.add(curves);
+    }
+    if !stage.creases.is_empty() {
+        let curves = Curves::new(positions, &stage.creases)
+            .colour(Rgb::RED)
+            .width(CREASE_WIDTH * stage.edge_width * per_thousand);
         scene.add(curves);
     }
     if !stage.knots.is_empty() {

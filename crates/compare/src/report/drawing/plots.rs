@@ -81,7 +81,11 @@ fn front(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
 /// Returns the points of every series of rows, from left to right.
 fn series(rows: &[&RowReport], axes: [Axis; 2]) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
-    for method in [MethodName::Biharmonic, MethodName::LsMesh] {
+    for method in [
+        MethodName::Biharmonic,
+        MethodName::LsMesh,
+        MethodName::SparseManifold,
+    ] {
         for row in rows.iter().filter(|row| row.row.method == method) {
             let record = row.result.record();
             let point = record.and_then(|r| Some([value(r, axes[0])?, value(r, axes[1])?]));

@@ -8,11 +8,12 @@ use msplines_common::mesh::{Decimated, TriangleMesh, VertexAttribute, decimate, 
 use msplines_io::read_points;
 use msplines_picture::{Rgb, edges};
 
+use super::companions::{Companions, Lines};
 use super::frames;
 use crate::campaign::{RowReport, Sources};
 use crate::case::Input;
 use crate::clock::PhaseClock;
-use crate::experiment::{RowData, ViewHint};
+use crate::experiment::{MethodName, RowData, ViewHint};
 use crate::input::{FitData, LoadedInput, fit_data, load, read_surface};
 use crate::output::{ROW_KNOTS, ROW_SURFACE};
 
@@ -20,6 +21,9 @@ use crate::output::{ROW_KNOTS, ROW_SURFACE};
 const LIGHT_ENOUGH: usize = 24_000;
 /// Vertices of those.
 const LIGHT_VERTICES: usize = 12_000;
+
+/// Why errors cannot be shown at the vertices of a control mesh.
+const NO_DATA: &str = "control vertices have no data; show the field `distance_to_limit` instead";
 
 /// A domain that is loaded by whoever asks first.
 type Loading = Arc<OnceLock<Result<Arc<Domain>, String>>>;
@@ -53,6 +57,20 @@ impl Domains {
 }
 
 impl Domain {
+    /// Returns the control mesh of a row as a domain.
+    fn of_control(companions: &Companions, report: &RowReport) -> Result<Self, String> {
+        let facts = report.result.record().ok_or_else(missing)?.input.clone();
+        Ok(Self {
+            loaded: LoadedInput {
+                mesh: companions.control.0.clone(),
+                facts,
+                attributes: Vec::new(),
+                warnings: Vec::new(),
+            },
+            light: OnceLock::new(),
+        })
+    }
+
     /// Returns a lighter mesh of a large input.
     pub(super) fn light(&self) -> Option<&Decimated> {
         let mesh = &self.loaded.mesh;
@@ -77,6 +95,8 @@ pub(super) struct Source {
     pub(super) fitted: Result<Fitted, String>,
     /// Places of the knots on the domain.
     pub(super) knots: Vec<Point3<f64>>,
+    /// A control mesh and what is approximated, where the method has them.
+    companions: Option<Companions>,
     /// Rounds of subdivision from the input to the spline.
     rounds: u32,
     /// Where it is seen from.
@@ -100,7 +120,14 @@ impl Source {
     ) -> Result<Self, String> {
         let sources = report.sources.as_ref().ok_or_else(missing)?;
         let Sources { input, files, view } = sources;
-        let domain = domains.load(input)?;
+        let has_charts = report.row.method == MethodName::SparseManifold;
+        let companions = has_charts.then(|| Companions::load(files)).transpose()?;
+        let domain = match &companions {
+            Some(companions) if report.row.takes_control_mesh() => {
+                Arc::new(Domain::of_control(companions, report)?)
+            }
+            _ => domains.load(input)?,
+        };
         let (frame, spline, attributes) =
             match frames::load(report, frame, files, &domain.loaded.mesh)? {
                 Some([original, spline]) => (Some(original), spline, Vec::new()),
@@ -113,9 +140,11 @@ impl Source {
         let knots = read_points(&files.join(ROW_KNOTS)).map_err(|e| e.to_string())?;
         Ok(Self {
             fitted: match &frame {
+                None if has_charts => Err(NO_DATA.to_owned()),
                 Some(original) => Ok(Fitted::of_frame(original, &spline, &domain.loaded)),
                 None => Fitted::of(report.row.data, &domain.loaded, &spline, &attributes),
             },
+            companions,
             frame,
             spline,
             attributes,
@@ -138,6 +167,19 @@ impl Source {
             };
             format!("its surface has no attribute `{name}`; there are: {names}")
         })
+    }
+
+    /// Returns the surface that is approximated and the lines on it.
+    pub(super) fn target(&self) -> Result<&(TriangleMesh, Lines), String> {
+        let companions = self.companions.as_ref();
+        let target = companions.and_then(|companions| companions.target.as_ref());
+        target.ok_or_else(|| "its run left no surface that is approximated".to_owned())
+    }
+
+    /// Returns the lines on the control mesh, and those on the spline, where there are any.
+    pub(super) fn lines(&self) -> Option<[&Lines; 2]> {
+        let companions = self.companions.as_ref()?;
+        Some([&companions.control.1, &companions.spline])
     }
 
     /// Returns the domain mesh.

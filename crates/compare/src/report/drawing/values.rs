@@ -63,6 +63,8 @@ impl<'a> Subject<'a> {
             Ok(colours.map_or(Values::Bare, |both| Values::Colours(both[index].clone())))
         };
         let values = match panel.show {
+            // Charts have no data at vertices, and nothing to colour.
+            Show::Input | Show::Spline if source.lines().is_some() => Ok(Values::Bare),
             Show::Input => of_data(0),
             Show::Spline => of_data(1),
             Show::Error => fitted().map(|fitted| Values::Scalars {
@@ -73,7 +75,7 @@ impl<'a> Subject<'a> {
                     Measure::Error
                 },
             }),
-            Show::Knots => Ok(Values::Bare),
+            Show::Knots | Show::Target => Ok(Values::Bare),
             Show::Field => field(panel, source),
         };
         Ok(Self {

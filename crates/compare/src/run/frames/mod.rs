@@ -246,6 +246,7 @@ fn finish(
         names,
         fields: Vec::new(),
         frames: if are_positions { frames } else { Vec::new() },
+        companions: Vec::new(),
     })
 }
 

@@ -1,5 +1,7 @@
 //! What one run is asked to do, as plain data.
 
+mod manifold;
+
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -8,7 +10,9 @@ use msplines_biharmonic::Scheme;
 use serde::{Deserialize, Serialize};
 
 use crate::animation::Frames;
-use crate::generated::GeneratedSurface;
+use crate::generated::{ControlShape, GeneratedSurface};
+
+pub use manifold::{Creases, Polygons, SparseManifoldMethod};
 
 /// One run: an input, the data on it, a method with its options, and what to write.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -69,16 +73,24 @@ impl Case {
     /// Returns the files that the run reads besides its input.
     pub(crate) fn files_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
         let (mut knots, mut creases, mut weights, mut data) = (None, None, None, None);
-        if let Method::Biharmonic(method) = &mut self.method {
-            if let Knots::Near(points) | Knots::At(points) = &mut method.knots {
-                knots = Some(points);
+        match &mut self.method {
+            Method::Biharmonic(method) => {
+                if let Knots::Near(points) | Knots::At(points) = &mut method.knots {
+                    knots = Some(points);
+                }
+                if let CaseCreases::Along(edges) = &mut method.creases {
+                    creases = Some(edges);
+                }
+                if let Some(Weights::File(path)) = &mut method.weights {
+                    weights = Some(path);
+                }
             }
-            if let CaseCreases::Along(edges) = &mut method.creases {
-                creases = Some(edges);
+            Method::SparseManifold(method) => {
+                if let Creases::File(path) = &mut method.creases {
+                    creases = Some(path);
+                }
             }
-            if let Some(Weights::File(path)) = &mut method.weights {
-                weights = Some(path);
-            }
+            Method::LsMesh { .. } => {}
         }
         if let Data::Array(values) = &mut self.data {
             data = Some(values);
@@ -151,6 +163,8 @@ pub enum Input {
     },
     /// A surface made from a formula.
     Surface(GeneratedSurface),
+    /// A control mesh made from a name.
+    Control(ControlShape),
 }
 
 /// What is fitted at the vertices.
@@ -194,6 +208,8 @@ pub enum Method {
         /// How they bind.
         constraints: msplines_ls_mesh::Constraints,
     },
+    /// Sparse manifold over a control mesh or a scan.
+    SparseManifold(Box<SparseManifoldMethod>),
 }
 
 impl Method {
@@ -224,6 +240,7 @@ impl Method {
         match self {
             Self::Biharmonic(_) => "biharmonic",
             Self::LsMesh { .. } => "ls-mesh",
+            Self::SparseManifold(_) => "sparse-manifold",
         }
     }
 }

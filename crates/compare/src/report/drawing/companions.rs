@@ -1,0 +1,57 @@
+//! Surfaces beside the spline of a row, and the lines on them, as its run left them.
+
+use std::path::Path;
+
+use msplines_common::mesh::TriangleMesh;
+use msplines_io::read_npy;
+
+use crate::input::read_surface;
+use crate::output::{CREASE_LINES, EDGE_LINES, companion_lines, companion_surface};
+
+/// Lines along the edges of a control mesh, as pairs of vertices of a surface.
+#[derive(Default)]
+pub(super) struct Lines {
+    pub(super) edges: Vec<[u32; 2]>,
+    /// Those that are sharp.
+    pub(super) creases: Vec<[u32; 2]>,
+}
+
+/// A control mesh and what is approximated.
+pub(super) struct Companions {
+    /// The control mesh.
+    pub(super) control: (TriangleMesh, Lines),
+    /// The surface that the spline approximates.
+    pub(super) target: Option<(TriangleMesh, Lines)>,
+    /// Lines on the spline.
+    pub(super) spline: Lines,
+}
+
+impl Companions {
+    /// Returns what the folder of a row holds.
+    pub(super) fn load(files: &Path) -> Result<Self, String> {
+        Ok(Self {
+            control: surface(files, "control")?,
+            target: surface(files, "target").ok(),
+            spline: lines(files, "spline")?,
+        })
+    }
+}
+
+fn surface(files: &Path, name: &str) -> Result<(TriangleMesh, Lines), String> {
+    let read = read_surface(&files.join(companion_surface(name)));
+    let (mesh, _) = read.map_err(|e| e.to_string())?;
+    Ok((mesh, lines(files, name)?))
+}
+
+fn lines(files: &Path, name: &str) -> Result<Lines, String> {
+    let pairs = |kind: &str| -> Result<Vec<[u32; 2]>, String> {
+        let array =
+            read_npy(&files.join(companion_lines(name, kind))).map_err(|e| e.to_string())?;
+        let pairs = array.values.chunks_exact(2);
+        Ok(pairs.map(|pair| [pair[0] as u32, pair[1] as u32]).collect())
+    };
+    Ok(Lines {
+        edges: pairs(EDGE_LINES)?,
+        creases: pairs(CREASE_LINES)?,
+    })
+}
