@@ -154,7 +154,9 @@ pub fn write_row_files(folder: &Path, output: &RunOutput) -> Result<(), RunError
         faces: &[],
         attributes: &[],
     };
-    write_surface(&folder.join(ROW_KNOTS), &points).map_err(|e| refused(e.to_string()))?;
+    if !output.knots.is_empty() {
+        write_surface(&folder.join(ROW_KNOTS), &points).map_err(|e| refused(e.to_string()))?;
+    }
     output
         .frames
         .iter()

@@ -35,6 +35,9 @@ const MOST_VALENCE: u32 = 120;
 /// Most levels of observations: a chart of valence 4 then has 13,689.
 const MOST_LEVELS: u32 = 6;
 
+/// Steps of conjugate gradients over which progress is judged.
+const RESTING: u32 = 4;
+
 /// A fitted surface, and how the fit went.
 #[derive(Clone, Debug)]
 pub struct Fit {
@@ -164,12 +167,16 @@ fn sweep(state: &mut State, report: &mut Report, options: &Options, observer: &m
             return;
         }
         frozen.sweep(state);
-        let e = state.e_fit();
-        let last = report.e_fit[report.e_fit.len() - 1];
         report.frozen_sweeps += 1;
-        report.e_fit.push(e);
-        if last - e <= options.least_progress * last {
-            return;
+        report.e_fit.push(state.e_fit());
+        // Conjugate gradients rest and go on again: one short step says little.
+        if report.frozen_sweeps >= RESTING {
+            let [before, .., e] = report.e_fit[report.e_fit.len() - 1 - RESTING as usize..] else {
+                return;
+            };
+            if before - e <= options.least_progress * f64::from(RESTING) * before {
+                return;
+            }
         }
     }
 }

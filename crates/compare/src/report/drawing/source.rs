@@ -137,7 +137,11 @@ impl Source {
                     (None, spline, attributes)
                 }
             };
-        let knots = read_points(&files.join(ROW_KNOTS)).map_err(|e| e.to_string())?;
+        let knots = if has_charts {
+            Vec::new()
+        } else {
+            read_points(&files.join(ROW_KNOTS)).map_err(|e| e.to_string())?
+        };
         Ok(Self {
             fitted: match &frame {
                 None if has_charts => Err(NO_DATA.to_owned()),
