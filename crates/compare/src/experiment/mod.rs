@@ -395,7 +395,7 @@ pub(crate) mod tests {
     fn a_row_becomes_the_case_it_describes() {
         let text = "surface = \"genus-3\"\nknots = \"5%\"\neffort = \"fast\"\nsubdivide = 1\n";
         let experiment = parse(text).expect("a good row");
-        let input = Input::Surface(GeneratedSurface::Genus3);
+        let input = Input::Surface(crate::generated::GeneratedSurface::Genus3);
         let case = experiment.rows[0]
             .case(input, &Ancestors::default())
             .expect("a good case");
