@@ -26,6 +26,9 @@ use crate::pursuit::{Problem, Selection, Workspace, pursue};
 /// Most turns of all charts.
 const MOST_SWEEPS: u32 = 10;
 
+/// Squared length of an atom on the curves, of that on the whole chart, that is rounding.
+const VANISHING: f64 = 1e-20;
+
 /// How charts are pursued.
 #[derive(Clone, Copy)]
 pub(super) struct Pursuit {
@@ -59,11 +62,17 @@ impl Observed {
                 line.iter_mut().zip(row).for_each(|(g, y)| *g += x * y);
             }
         }
+        // An atom that vanishes on the curves but for rounding would get a coefficient without bound.
+        let seen = |atom: usize| {
+            let [here, whole] = [&gram, &design.gram].map(|g| g[atom * (atoms + 1)]);
+            here > VANISHING * whole
+        };
+        let allowed = |atom: usize| (may_crease || design.smooth[atom]) && seen(atom);
         Self {
             nodes: samples.iter().map(|&s| nodes[s]).collect(),
+            allowed: (0..atoms).map(allowed).collect(),
             rows,
             gram,
-            allowed: design.smooth.iter().map(|&s| s || may_crease).collect(),
         }
     }
 

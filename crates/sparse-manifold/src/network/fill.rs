@@ -23,7 +23,12 @@ const COTANGENT: [f64; 2] = [-3.0, 20.0];
 /// Least area of a node, of the median.
 const LEAST_AREA: f64 = 1e-3;
 
-/// Change of a node, in mean arc lengths, below which rounds end.
+/// How much of a step along the surface is made. The energy hardly tells where on the surface nodes
+/// lie: with whole steps they drift, on even quads too, until normals are three times worse after
+/// ten rounds; without any, those of a bad start stay bad.
+const SLIDING: f64 = 0.1;
+
+/// Change of the nodes, a root mean square in mean arc lengths, below which rounds end.
 const SETTLED: f64 = 1e-3;
 
 /// Nodes in patches.
@@ -32,7 +37,7 @@ pub(super) struct Fill {
     pub nodes: Vec<Vector3<f64>>,
     /// Rounds of the cotangent energy.
     pub rounds: u32,
-    /// Largest change in the last round.
+    /// Change of the nodes in the last round, a root mean square.
     pub change: f64,
 }
 
@@ -89,18 +94,32 @@ pub(super) fn fill(
         match &mut factor {
             Some(factor) => factor.refactor(&matrix)?,
             None => {
+                // Its rows reach farther than those of the uniform energy.
+                let ordering = Ordering::nested_dissection(&matrix)?;
                 let symbolic = Symbolic::analyze_kept(&matrix, &ordering, unknown);
                 factor = Some(Cholesky::factor(symbolic, &matrix)?);
             }
         }
         let Some(factor) = &factor else { break };
         let next = solve(&matrix, factor, nodes, &start);
-        let moved = next.iter().zip(&fill.nodes).map(|(a, b)| (a - b).norm());
-        fill.change = moved.fold(0.0, f64::max);
-        fill.nodes = next;
+        fill.change = advance(nodes, &mut fill.nodes, &next);
         fill.rounds += 1;
     }
     Ok(fill)
+}
+
+/// Moves a shape towards another, all the way along its normals; returns the root mean square step.
+fn advance(nodes: &Nodes, shape: &mut [Vector3<f64>], next: &[Vector3<f64>]) -> f64 {
+    let normals = normals(nodes, shape);
+    let mut squares = 0.0;
+    for ((x, next), normal) in shape.iter_mut().zip(next).zip(normals) {
+        let step = next - *x;
+        let along = normal * normal.dot(&step);
+        let step = along + (step - along) * SLIDING;
+        squares += step.norm_squared();
+        *x += step;
+    }
+    (squares / shape.len() as f64).sqrt()
 }
 
 /// Returns all nodes, from those that are held fast and zeros.
@@ -117,6 +136,18 @@ fn solve(
     let all = nodes.targets.iter().enumerate();
     all.map(|(i, target)| target.unwrap_or_else(|| solved(i)))
         .collect()
+}
+
+/// Returns the unit normals at nodes of a shape; zero where it has none.
+fn normals(nodes: &Nodes, shape: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let mut normals = vec![Vector3::zeros(); nodes.count()];
+    for quad in nodes.quads() {
+        let [a, b, c, d] = quad.map(|v| shape[v as usize]);
+        let area = (c - a).cross(&(d - b));
+        quad.iter().for_each(|&v| normals[v as usize] += area);
+    }
+    let unit = |n: Vector3<f64>| n.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
+    normals.into_iter().map(unit).collect()
 }
 
 /// Returns the graph Laplacian of the grid lines: valences on its diagonal.
