@@ -12,14 +12,13 @@ use super::domain::NetworkDomain;
 use super::error::NetworkError;
 use super::fill::{Fill, fill, uniform_laplacian};
 use super::graph::CurveGraph;
-use super::nodes::{EdgeCurves, Frame, Nodes, creases_at};
+use super::nodes::{EdgeCurves, Frame, Nodes, creases_at, is_crease};
 use super::options::{C0Atoms, NetworkOptions, SurfaceMethod};
 use super::report::{NetworkReport, measure};
 use super::system::{FitChart, System};
 use crate::dictionary::DictionaryKind;
-use crate::domain::Domain;
+use crate::domain::{Domain, Star};
 use crate::fit::MOST_VALENCE;
-use crate::fit::charts::COMPONENTS;
 use crate::spline::SparseManifold;
 
 /// Weight of the bending in one step, without and with creases: beside these a patch is a plate
@@ -51,6 +50,19 @@ pub struct NetworkFit {
 /// [Wang2016] §4.3. Deviation: charts are polynomials of full degree, found together, with a bending
 /// energy between the curves; the paper's pursuit on the curves alone is
 /// [`SurfaceMethod::Pursuit`].
+///
+/// ```
+/// use msplines_common::mesh::shapes::dome_network;
+/// use msplines_common::progress::unobserved;
+/// use msplines_sparse_manifold::network::{NetworkOptions, surface_network};
+///
+/// let network = dome_network(2).network;
+/// let fit = surface_network(&network, &NetworkOptions::default(), &mut unobserved())?;
+/// assert!(fit.report.curve_rms < 5e-3);
+/// # Ok::<(), msplines_sparse_manifold::network::NetworkError>(())
+/// ```
+///
+/// An observer that stops gets the surface from the rounds of the fill made so far.
 ///
 /// # Errors
 /// Options out of range, curves that bound no surface, a vertex with too many patches around it.
@@ -191,11 +203,9 @@ impl Fitter<'_> {
                 on_curves.filter_map(|(i, target)| target.map(|x| (weight(i), x, [(i, 1.0)])));
             system.add(on_curves.collect());
             let laplacian = uniform_laplacian(nodes);
-            let creased = usize::from(
-                (0..self.domain.curves.len() as u32)
-                    .any(|e| super::nodes::is_crease(self.domain, e)),
-            );
-            let bending = options.bending.unwrap_or(BENDING[creased]);
+            let mut edges = 0..self.domain.curves.len() as u32;
+            let creased = edges.any(|edge| is_crease(self.domain, edge));
+            let bending = options.bending.unwrap_or(BENDING[usize::from(creased)]);
             let smooth = (0..nodes.count()).filter(|&i| nodes.bends[i]);
             let row = |i: usize| (bending, Vector3::zeros(), laplacian.column(i));
             system.add(smooth.map(row).collect());
@@ -258,11 +268,10 @@ impl Fitter<'_> {
 }
 
 fn check_valences(domain: &NetworkDomain) -> Result<(), NetworkError> {
-    debug_assert_eq!(COMPONENTS, 3);
     let topology = domain.mesh.topology();
     let most = MOST_VALENCE;
     for v in 0..topology.vertex_count() as u32 {
-        let valence = crate::domain::Star::of(topology, v).valence;
+        let valence = Star::of(topology, v).valence;
         if valence > most {
             return Err(NetworkError::Valence {
                 position: domain.mesh.positions()[v as usize],

@@ -370,6 +370,10 @@ fn what_cannot_be_is_refused() {
         let found = refused(options);
         assert!(found.contains(text), "{found}");
     }
+}
+
+#[test]
+fn a_vertex_with_too_many_patches_is_named_by_its_place() {
     let error = NetworkError::Valence {
         position: Point3::new(1.0, 2.0, 3.0),
         valence: 130,
