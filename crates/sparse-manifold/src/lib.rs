@@ -29,6 +29,7 @@ mod fit;
 mod jet;
 mod measure;
 pub mod network;
+mod numbers;
 mod observations;
 mod options;
 pub mod pursuit;

@@ -30,7 +30,7 @@ use state::State;
 
 /// Highest valence that a chart takes: its atoms are numbered with 16 bits, and its Gram matrix has
 /// the square of their number.
-const MOST_VALENCE: u32 = 120;
+pub(crate) const MOST_VALENCE: u32 = 120;
 
 /// Most levels of observations: a chart of valence 4 then has 13,689.
 const MOST_LEVELS: u32 = 6;

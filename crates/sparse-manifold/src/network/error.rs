@@ -160,6 +160,55 @@ pub enum NetworkError {
     /// The patches form no surface in another way, or too large a one.
     #[error("the patches form no surface: {0}; give the cycles by hand")]
     Topology(#[from] msplines_common::mesh::TopologyError),
+    /// A vertex has more patches around it than a chart can hold.
+    #[error(
+        "the patches at ({}) make a chart of valence {valence}; one takes at most {most}: \
+         let some curves end before",
+        place(.position)
+    )]
+    Valence {
+        /// Where the vertex is.
+        position: Point3<f64>,
+        /// Its valence; on the boundary twice its number of patches.
+        valence: u32,
+        /// How many a chart takes.
+        most: u32,
+    },
+    /// A polynomial degree out of range.
+    #[error("polynomials of degree {degree}; ask for 1 to 14, such as 5")]
+    Degree {
+        /// What was asked for.
+        degree: u32,
+    },
+    /// Too few or too many nodes.
+    #[error("{cells} cells along an edge; ask for 4 to 32, such as 8")]
+    Cells {
+        /// What was asked for.
+        cells: u32,
+    },
+    /// A pursuit without atoms to choose from.
+    #[error(
+        "the pursuit may choose no atoms; ask for one at least, such as 25, and for `c0_atoms` \
+         everywhere (`with`) if the dictionary has shape functions only"
+    )]
+    NoAtoms,
+    /// A weight that means nothing.
+    #[error("`{name}` is {value}; give a number above 0")]
+    Weight {
+        /// The option.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The equations have no solution in floating-point numbers.
+    #[error("the surface between the curves cannot be found: {0}")]
+    Factor(#[from] msplines_common::linalg::FactorError),
+    /// The equations are too many.
+    #[error("the surface between the curves cannot be found: {0}")]
+    Ordering(#[from] msplines_common::linalg::OrderingError),
+    /// Coefficients are not finite.
+    #[error("the curves lead to no finite surface: {0}")]
+    Surface(#[from] crate::error::SplineError),
 }
 
 /// Returns a position as text, with enough digits to find it.

@@ -32,7 +32,7 @@ fn smooth(mesh: &PolygonMesh) -> Sharpness {
 }
 
 /// Returns the sharpness of a mesh with a crease around the end of the box.
-fn creased(mesh: &PolygonMesh) -> Sharpness {
+pub(crate) fn creased(mesh: &PolygonMesh) -> Sharpness {
     let topology = mesh.topology();
     let mut sharpness = smooth(mesh);
     let plain = box_surface([1, 2, 3]);

@@ -27,20 +27,22 @@ pub struct CycleOptions {
 
 impl Default for CycleOptions {
     fn default() -> Self {
-        Self {
-            restarts: 16,
-            seed: 0,
-            noise: 0.15,
-            expected_euler: None,
-            patch_corners: 8,
-            cycles: Vec::new(),
-            fill: Vec::new(),
-            hole: Vec::new(),
-        }
+        Self::STANDARD
     }
 }
 
 impl CycleOptions {
+    pub(in super::super) const STANDARD: Self = Self {
+        restarts: 16,
+        seed: 0,
+        noise: 0.15,
+        expected_euler: None,
+        patch_corners: 8,
+        cycles: Vec::new(),
+        fill: Vec::new(),
+        hole: Vec::new(),
+    };
+
     pub(super) fn check(&self) -> Result<(), NetworkError> {
         if (0.0..=1.0).contains(&self.noise) {
             Ok(())
