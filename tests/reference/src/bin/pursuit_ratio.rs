@@ -412,7 +412,7 @@ fn write_problems(problems: &[Case], folder: &Path) -> io::Result<()> {
 fn npy(shape: &str, numbers: &[u8]) -> Vec<u8> {
     const PRELUDE: usize = 10;
     let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
-    while (PRELUDE + header.len() + 1) % 64 != 0 {
+    while !(PRELUDE + header.len() + 1).is_multiple_of(64) {
         header.push(' ');
     }
     header.push('\n');
