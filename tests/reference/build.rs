@@ -1,7 +1,12 @@
 //! Compiles the bindings and links the libraries.
 
 fn main() {
-    let sources = ["cpp/openmesh.cc", "cpp/cgal.cc", "cpp/cholmod.cc"];
+    let sources = [
+        "cpp/openmesh.cc",
+        "cpp/opensubdiv.cc",
+        "cpp/cgal.cc",
+        "cpp/cholmod.cc",
+    ];
     cxx_build::bridge("src/bindings.rs")
         .files(sources)
         .include("cpp")
@@ -12,7 +17,7 @@ fn main() {
         .flag_if_supported("-Wno-deprecated-declarations")
         .warnings(false)
         .compile("msplines-reference");
-    for library in ["OpenMeshCore", "cholmod"] {
+    for library in ["OpenMeshCore", "osdCPU", "cholmod"] {
         println!("cargo::rustc-link-lib={library}");
     }
     println!("cargo::rerun-if-changed=cpp");

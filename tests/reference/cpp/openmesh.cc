@@ -1,6 +1,8 @@
-// Facts and Loop subdivision by OpenMesh.
+// Facts, Loop and Catmull-Clark subdivision by OpenMesh.
+#include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Core/System/config.h>
+#include <OpenMesh/Tools/Subdivider/Uniform/CatmullClarkT.hh>
 #include <OpenMesh/Tools/Subdivider/Uniform/LoopT.hh>
 
 #include <string>
@@ -17,6 +19,7 @@ struct Traits : OpenMesh::DefaultTraits {
   using Normal = OpenMesh::Vec3d;
 };
 using Mesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
+using PolyMesh = OpenMesh::PolyMesh_ArrayKernelT<Traits>;
 
 // Returns the mesh and how many faces OpenMesh refused.
 std::size_t build(Positions positions, Faces faces, Mesh& mesh) {
@@ -46,6 +49,25 @@ std::size_t count_boundary_loops(const Mesh& mesh) {
     }
   }
   return loops;
+}
+
+// Writes of which vertices each vertex of the next step will be the point: new vertices come edge
+// after edge, then face after face.
+void write_origins(const PolyMesh& mesh, PolygonLevel& level) {
+  const auto close = [&level] { level.origin_ends.push_back(level.origins.size()); };
+  for (const auto vertex : mesh.vertices()) {
+    level.origins.push_back(vertex.idx());
+    close();
+  }
+  for (const auto edge : mesh.edges()) {
+    level.origins.push_back(edge.v0().idx());
+    level.origins.push_back(edge.v1().idx());
+    close();
+  }
+  for (const auto face : mesh.faces()) {
+    for (const auto corner : face.vertices()) level.origins.push_back(corner.idx());
+    close();
+  }
 }
 
 }  // namespace
@@ -82,6 +104,36 @@ Surface openmesh_loop(Positions positions, Faces faces) {
     for (const auto corner : face.vertices()) surface.faces.push_back(corner.idx());
   }
   return surface;
+}
+
+rust::Vec<PolygonLevel> openmesh_catmull_clark(const Control& control) {
+  PolyMesh mesh;
+  std::vector<PolyMesh::VertexHandle> vertices;
+  for (std::size_t i = 0; i + 2 < control.positions.size(); i += 3) {
+    const double* p = control.positions.data() + i;
+    vertices.push_back(mesh.add_vertex({p[0], p[1], p[2]}));
+  }
+  std::size_t start = 0;
+  for (int size : control.sizes) {
+    std::vector<PolyMesh::VertexHandle> corners;
+    for (int i = 0; i < size; ++i) corners.push_back(vertices[control.corners[start + i]]);
+    mesh.add_face(corners);
+    start += size;
+  }
+  rust::Vec<PolygonLevel> levels;
+  for (std::uint32_t l = 0; l < control.levels; ++l) {
+    PolygonLevel level;
+    write_origins(mesh, level);
+    OpenMesh::Subdivider::Uniform::CatmullClarkT<PolyMesh, double> catmull_clark;
+    catmull_clark.attach(mesh);
+    catmull_clark(1);
+    catmull_clark.detach();
+    for (const auto vertex : mesh.vertices()) {
+      for (int axis = 0; axis < 3; ++axis) level.positions.push_back(mesh.point(vertex)[axis]);
+    }
+    levels.push_back(std::move(level));
+  }
+  return levels;
 }
 
 rust::String openmesh_version() {

@@ -1,4 +1,4 @@
-// Functions of OpenMesh, CGAL and CHOLMOD as src/bindings.rs sees them.
+// Functions of OpenMesh, OpenSubdiv, CGAL and CHOLMOD as src/bindings.rs sees them.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,15 @@ using Faces = rust::Slice<const std::uint32_t>;  // three corners of each triang
 struct MeshFacts;
 struct Surface;
 struct Measures;
+struct Control;
+struct PolygonLevel;
+struct PolygonRefinement;
 
 MeshFacts openmesh_facts(Positions positions, Faces faces);
 Surface openmesh_loop(Positions positions, Faces faces);
+rust::Vec<PolygonLevel> openmesh_catmull_clark(const Control& control);
+
+PolygonRefinement opensubdiv_refine(const Control& control);
 
 Measures cgal_measures(Positions positions, Faces faces);
 rust::Vec<double> cgal_face_cotangents(Positions positions, Faces faces);
@@ -47,5 +53,6 @@ double cpu_seconds();
 rust::String cholmod_version();
 rust::String cgal_version();
 rust::String openmesh_version();
+rust::String opensubdiv_version();
 
 }  // namespace reference

@@ -41,12 +41,74 @@ mod ffi {
         corner_areas: Vec<f64>,
     }
 
+    /// A polygon mesh with tags, and what to do with it.
+    #[derive(Clone, Debug, Default)]
+    struct Control {
+        /// Coordinates, vertex after vertex.
+        positions: Vec<f64>,
+        /// Number of corners of each face.
+        sizes: Vec<i32>,
+        /// Corners, face after face.
+        corners: Vec<i32>,
+        /// End vertices of each tagged edge.
+        crease_ends: Vec<i32>,
+        /// Sharpness of each tagged edge.
+        crease_sharpness: Vec<f32>,
+        /// Tagged vertices.
+        corner_vertices: Vec<i32>,
+        /// Sharpness of each tagged vertex.
+        corner_sharpness: Vec<f32>,
+        /// Whether sharpness falls by Chaikin's rule.
+        chaikin: bool,
+        /// Whether corners of the boundary are sharp.
+        sharp_corners: bool,
+        /// Number of refinements.
+        levels: u32,
+    }
+
+    /// The vertices of one refinement.
+    struct PolygonLevel {
+        /// Coordinates, vertex after vertex.
+        positions: Vec<f64>,
+        /// Vertices before the refinement of which each one is the point: a vertex, the ends of an
+        /// edge, or the corners of a face.
+        origins: Vec<u32>,
+        /// Where the origins of each vertex end.
+        origin_ends: Vec<usize>,
+    }
+
+    /// Limits of the vertices of the last refinement.
+    struct PolygonLimits {
+        /// Coordinates, vertex after vertex.
+        positions: Vec<f64>,
+        /// First tangents.
+        first_tangents: Vec<f64>,
+        /// Second tangents.
+        second_tangents: Vec<f64>,
+        /// The neighbour along the first edge of each vertex.
+        first_neighbours: Vec<u32>,
+        /// The neighbour along its first sharp edge, or the vertex itself.
+        sharp_neighbours: Vec<u32>,
+    }
+
+    /// All refinements and the limits of the last one.
+    struct PolygonRefinement {
+        /// From the first refinement on.
+        levels: Vec<PolygonLevel>,
+        /// What the last one tends to.
+        limits: PolygonLimits,
+    }
+
     unsafe extern "C++" {
         include!("reference.h");
 
         fn openmesh_facts(positions: &[f64], faces: &[u32]) -> MeshFacts;
         fn openmesh_loop(positions: &[f64], faces: &[u32]) -> Surface;
+        fn openmesh_catmull_clark(control: &Control) -> Vec<PolygonLevel>;
         fn openmesh_version() -> String;
+
+        fn opensubdiv_refine(control: &Control) -> Result<PolygonRefinement>;
+        fn opensubdiv_version() -> String;
 
         fn cgal_measures(positions: &[f64], faces: &[u32]) -> Measures;
         fn cgal_face_cotangents(positions: &[f64], faces: &[u32]) -> Vec<f64>;

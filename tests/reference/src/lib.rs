@@ -1,12 +1,13 @@
-//! Comparison with established libraries: OpenMesh, CGAL and CHOLMOD.
+//! Comparison with established libraries: OpenMesh, OpenSubdiv, CGAL and CHOLMOD.
 //!
-//! The functions here return what those libraries find on a [`TriangleMesh`] or a
-//! [`SymmetricMatrix`]; the tests of this package set it beside what this project finds, and leave
-//! the largest deviation of each quantity in `target/reference` through [`record::Comparison`].
+//! The functions here return what those libraries find on a [`TriangleMesh`], a polygon mesh or a
+//! sparse matrix; the tests of this package set it beside what this project finds, and leave the
+//! largest deviation of each quantity in `target/reference` through [`record::Comparison`].
 
 mod bindings;
 pub mod cholmod;
 pub mod meshes;
+pub mod polygon;
 pub mod record;
 
 use msplines_common::mesh::TriangleMesh;
@@ -55,8 +56,10 @@ pub fn cgal_cotangent_weights(mesh: &TriangleMesh, flaps: &[[u32; 4]]) -> Vec<f6
 /// A library that is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Library {
-    /// Topology and Loop subdivision.
+    /// Topology, Loop and Catmull-Clark subdivision.
     OpenMesh,
+    /// Catmull-Clark subdivision with creases, and its limits.
+    OpenSubdiv,
     /// Areas, volumes and cotangents.
     Cgal,
     /// Sparse factorisation.
@@ -69,6 +72,7 @@ impl Library {
     pub fn version(self) -> String {
         match self {
             Self::OpenMesh => format!("OpenMesh {}", bindings::openmesh_version()),
+            Self::OpenSubdiv => format!("OpenSubdiv {}", bindings::opensubdiv_version()),
             Self::Cgal => format!("CGAL {}", bindings::cgal_version()),
             Self::Cholmod => format!("CHOLMOD {}", bindings::cholmod_version()),
         }

@@ -3,6 +3,7 @@
 use std::env;
 use std::path::{Path, PathBuf};
 
+use msplines_common::mesh::polygon::PolygonMesh;
 use msplines_common::mesh::{Policy, TriangleMesh, accept, shapes};
 use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -86,4 +87,64 @@ pub fn jittered(mesh: &TriangleMesh, share: f64, seed: u64) -> TriangleMesh {
     });
     let moved: Vec<Point3<f64>> = moved.collect();
     mesh.with_positions(moved)
+}
+
+/// Returns generated control meshes with their names: of quads, triangles and other polygons, closed
+/// and open, no two edges of equal length.
+///
+/// # Panics
+/// Never: the polygons are manifolds.
+#[must_use]
+pub fn control() -> Vec<(String, PolygonMesh)> {
+    let mut meshes = vec![
+        ("box".to_owned(), shapes::box_surface([1, 2, 3])),
+        ("slab".to_owned(), shapes::slab_with_holes(2)),
+        ("patch".to_owned(), shapes::quad_patch(5)),
+        ("tetrahedron".to_owned(), tetrahedron()),
+    ];
+    for valence in [3, 5, 6, 9, 12] {
+        let mesh = shapes::trapezohedron(valence);
+        meshes.push((format!("trapezohedron of valence {valence}"), mesh));
+    }
+    for (name, lids) in [("prism", 2), ("open prism", 1)] {
+        meshes.push((name.to_owned(), prism(5, lids)));
+    }
+    let jittered = meshes.into_iter().zip(0..).map(|((name, mesh), seed)| {
+        let mesh = shapes::jittered(&mesh, 0.12, seed);
+        (name, mesh)
+    });
+    jittered.collect()
+}
+
+fn tetrahedron() -> PolygonMesh {
+    let positions = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]].map(|p| p.map(f64::from).into());
+    let corners = vec![0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2];
+    PolygonMesh::build(positions.to_vec(), corners, vec![0, 3, 6, 9, 12]).expect("a manifold")
+}
+
+/// Returns a prism over a polygon with so many of its two lids, its sides cut in two: quads and
+/// triangles in turn.
+fn prism(sides: u32, lids: usize) -> PolygonMesh {
+    let place = |v: u32| {
+        let angle = std::f64::consts::TAU * f64::from(v % sides) / f64::from(sides);
+        Point3::new(angle.cos(), angle.sin(), f64::from(v / sides))
+    };
+    let mut faces: Vec<Vec<u32>> = Vec::new();
+    for i in 0..sides {
+        let next = (i + 1) % sides;
+        if i % 2 == 0 {
+            faces.push(vec![i, next, sides + next, sides + i]);
+        } else {
+            faces.push(vec![i, next, sides + next]);
+            faces.push(vec![i, sides + next, sides + i]);
+        }
+    }
+    let both = [(0..sides).rev().collect(), (sides..2 * sides).collect()];
+    faces.extend(both.into_iter().take(lids));
+    let mut offsets = vec![0];
+    for face in &faces {
+        offsets.push(offsets[offsets.len() - 1] + face.len() as u32);
+    }
+    let positions = (0..2 * sides).map(place).collect();
+    PolygonMesh::build(positions, faces.concat(), offsets).expect("a manifold")
 }

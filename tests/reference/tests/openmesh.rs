@@ -1,8 +1,10 @@
-//! Topology and Loop subdivision against OpenMesh.
+//! Topology, Loop and Catmull-Clark subdivision against OpenMesh.
 
 use std::collections::BTreeMap;
 
+use msplines_common::mesh::polygon::{Refined, Rules, Sharpness};
 use msplines_common::mesh::{Topology, TriangleMesh, subdivide_loop};
+use msplines_reference::polygon::openmesh_catmull_clark;
 use msplines_reference::record::Comparison;
 use msplines_reference::{Library, meshes, openmesh_facts, openmesh_loop};
 use nalgebra::Point3;
@@ -179,6 +181,35 @@ fn loop_subdivision_moves_every_vertex_to_the_same_place() {
         if mesh.vertex_count() < 1_500 {
             let finer = subdivide_loop(&mesh, 1);
             comparison.add(&format!("{name}, second round"), deviations(&finer));
+        }
+    }
+    comparison.finish();
+}
+
+#[test]
+fn catmull_clark_moves_every_vertex_of_a_closed_mesh_to_the_same_place() {
+    const LEVELS: u32 = 4;
+    let mut comparison = Comparison::new(
+        "Catmull-Clark subdivision of smooth closed meshes",
+        Library::OpenMesh,
+        ROUNDING,
+        "in diagonals: a few products added in another order",
+    );
+    for (name, mesh) in meshes::control() {
+        // OpenMesh's mask of boundary vertices is another one.
+        if !mesh.topology().boundary_loops().is_empty() {
+            continue;
+        }
+        let rules = Rules::default();
+        let sharpness = Sharpness::smooth(mesh.topology(), rules);
+        let mut refined = Refined::none(mesh.topology(), &sharpness);
+        for theirs in openmesh_catmull_clark(&mesh, LEVELS) {
+            refined = refined.again(rules);
+            let ours = refined.stencils.apply(mesh.positions());
+            assert_eq!(ours.len(), theirs.len());
+            let diagonal = mesh.diagonal();
+            let pairs = ours.iter().zip(&theirs);
+            comparison.add(&name, pairs.map(|(a, b)| (a - b).norm() / diagonal));
         }
     }
     comparison.finish();

@@ -9,12 +9,13 @@ use super::steps::{self, Step};
 use crate::tree;
 
 /// Debian packages, and a header of each that shows it is there.
-const LIBRARIES: [(&str, &str); 4] = [
+const LIBRARIES: [(&str, &str); 5] = [
     ("g++", "/usr/bin/c++"),
     (
         "libopenmesh-dev",
         "/usr/include/OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh",
     ),
+    ("libosd-dev", "/usr/include/opensubdiv/far/primvarRefiner.h"),
     ("libcgal-dev", "/usr/include/CGAL/version.h"),
     ("libsuitesparse-dev", "/usr/include/suitesparse/cholmod.h"),
 ];
@@ -26,7 +27,16 @@ const OWN: &str = "package(msplines-reference)";
 /// nextest's name for all other tests.
 pub(super) const OTHERS: &str = "not package(msplines-reference)";
 /// cargo test's names for the tests of this package.
-const TESTS: [&str; 6] = ["--test", "openmesh", "--test", "cgal", "--test", "cholmod"];
+const TESTS: [&str; 8] = [
+    "--test",
+    "openmesh",
+    "--test",
+    "opensubdiv",
+    "--test",
+    "cgal",
+    "--test",
+    "cholmod",
+];
 
 /// Returns whether the bindings can be built; on first use installs what is missing, if it may.
 pub(super) fn is_ready() -> bool {

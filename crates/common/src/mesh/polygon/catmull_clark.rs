@@ -37,17 +37,22 @@ pub fn catmull_clark(topology: &PolygonTopology, sharpness: &Sharpness, rules: R
         .into_par_iter()
         .map(|v| {
             (!Ring::is_smooth(topology, sharpness, v)).then(|| {
-                let ring = Ring::of(topology, sharpness, v);
+                let ring = Ring::of(topology, sharpness, v, rules.creases);
                 let next = ring.refined(rules.creases);
                 [ring, next]
             })
         })
         .collect();
-    let stencils = stencils(topology, sharpness, &rings);
-    let sharpness = refined_sharpness(topology, &rings, &child);
+    let next = refined_sharpness(topology, &rings, &child);
+    let sharp = |edge: u32| {
+        let h = topology.edge_half_edge(edge);
+        let pieces = [4 * h, 4 * topology.next(h) + 3].map(|piece| next.edge(child.edge(piece)));
+        sharp_fraction(sharpness.edge(edge), pieces)
+    };
+    let stencils = stencils(topology, &rings, sharp);
     Refined {
         topology: child,
-        sharpness,
+        sharpness: next,
         stencils,
     }
 }
@@ -79,11 +84,12 @@ fn refined_sharpness(
     sharpness
 }
 
-/// Returns the points of vertices, edges and faces, in this order.
+/// Returns the points of vertices, edges and faces, in this order; `sharp` says how much the midpoint
+/// of an edge counts.
 fn stencils(
     topology: &PolygonTopology,
-    sharpness: &Sharpness,
     rings: &[Option<[Ring; 2]>],
+    sharp: impl Fn(u32) -> f64 + Sync,
 ) -> Stencils {
     let (vertices, edges) = (topology.vertex_count(), topology.edge_count());
     let count = vertices + edges + topology.face_count();
@@ -94,8 +100,7 @@ fn stencils(
         },
         e if e < vertices + edges => {
             let edge = (e - vertices) as u32;
-            let sharp = sharp_fraction(sharpness.edge(edge));
-            edge_point(topology, topology.edge_half_edge(edge), sharp, out);
+            edge_point(topology, topology.edge_half_edge(edge), sharp(edge), out);
         }
         f => face_point(topology, (f - vertices - edges) as u32, 1.0, out),
     })

@@ -61,6 +61,7 @@ pub(super) fn sector_tangent(faces: usize) -> Vec<f64> {
     edges[faces] = f64::INFINITY;
     let ring = Ring {
         closed: false,
+        far: vec![0.0; edges.len()],
         edges,
         vertex: 0.0,
     };

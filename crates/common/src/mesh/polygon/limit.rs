@@ -29,7 +29,7 @@ pub fn limit_stencils(refined: &Refined, rules: Rules) -> Stencils {
     let special: Vec<Option<usize>> = (0..count as u32)
         .map(|v| {
             (!Ring::is_smooth(topology, &refined.sharpness, v))
-                .then(|| masks.position(&Ring::of(topology, &refined.sharpness, v)))
+                .then(|| masks.position(&Ring::of(topology, &refined.sharpness, v, rules.creases)))
         })
         .collect();
     let rows = Stencils::build(count, count, |v, out| match special[v] {
@@ -71,7 +71,8 @@ pub fn limit_tangent_stencils(refined: &Refined, half_edges: &[u32], rules: Rule
             let v = topology.origin(h);
             let place = topology.outgoing(v).position(|x| x == h);
             let place = place.expect("a half-edge leaves its origin");
-            masks.tangents(&Ring::of(topology, &refined.sharpness, v), place)
+            let ring = Ring::of(topology, &refined.sharpness, v, rules.creases);
+            masks.tangents(&ring, place)
         })
         .collect();
     let columns = topology.vertex_count();
@@ -97,7 +98,7 @@ fn opposite(topology: &PolygonTopology, h: u32) -> u32 {
 }
 
 /// Bits of a ring's sharpness.
-type Key = (bool, Vec<u64>, u64);
+type Key = (bool, Vec<u64>, Vec<u64>, u64);
 
 /// The masks of rings that have been met.
 struct Masks {
@@ -140,8 +141,9 @@ impl Masks {
 }
 
 fn key(ring: &Ring) -> Key {
-    let edges = ring.edges.iter().map(|s| s.to_bits()).collect();
-    (ring.closed, edges, ring.vertex.to_bits())
+    let bits = |sharpness: &[f64]| sharpness.iter().map(|s| s.to_bits()).collect();
+    let (edges, far) = (bits(&ring.edges), bits(&ring.far));
+    (ring.closed, edges, far, ring.vertex.to_bits())
 }
 
 /// Returns masks of the ring that this one becomes once its sharpness is zero or infinite, over the

@@ -7,7 +7,9 @@
 //!
 //! # Reference
 //! [CatmullClark1978]; [DeRose1998] §3; semi-sharp vertices as in OpenSubdiv, whose rules blend the
-//! masks of this level and the next one by the mean sharpness of what stops being sharp.
+//! masks of this level and the next one by the mean sharpness of what stops being sharp. Deviation: an
+//! edge never counts as more than sharp, where OpenSubdiv extrapolates if Chaikin's rule takes a
+//! sharpness above one to zero; refined points agree otherwise, see `tests/reference`.
 
 use super::sharpness::{CreaseRule, Sharpness};
 use super::topology::PolygonTopology;
@@ -19,6 +21,9 @@ pub(super) struct Ring {
     pub closed: bool,
     /// Sharpness of every edge.
     pub edges: Vec<f64>,
+    /// By Chaikin's rule: mean sharpness of the other semi-sharp edges at the far end of every edge, or
+    /// zero.
+    pub far: Vec<f64>,
     /// Sharpness of the vertex.
     pub vertex: f64,
 }
@@ -46,11 +51,25 @@ pub(super) struct VertexMask {
 
 impl Ring {
     /// Returns the ring of a vertex, from [`PolygonTopology::vertex_half_edge`] on.
-    pub(super) fn of(topology: &PolygonTopology, sharpness: &Sharpness, vertex: u32) -> Self {
-        let spokes = topology.spokes(vertex);
+    pub(super) fn of(
+        topology: &PolygonTopology,
+        sharpness: &Sharpness,
+        vertex: u32,
+        rule: CreaseRule,
+    ) -> Self {
+        let around = |v: u32| {
+            let edges = topology.spokes(v).map(|h| topology.edge(h));
+            edges.map(|e| sharpness.edge(e))
+        };
+        let far = |(end, s): (u32, f64)| match rule {
+            CreaseRule::Chaikin if is_semi_sharp(s) => SemiSharp::among(around(end)).others(s),
+            _ => 0.0,
+        };
+        let ends = topology.neighbours(vertex).zip(around(vertex));
         Self {
             closed: !topology.is_boundary_vertex(vertex),
-            edges: spokes.map(|h| sharpness.edge(topology.edge(h))).collect(),
+            edges: around(vertex).collect(),
+            far: ends.map(far).collect(),
             vertex: sharpness.vertex(vertex),
         }
     }
@@ -94,20 +113,20 @@ impl Ring {
 
     /// Returns the ring after one refinement.
     pub(super) fn refined(&self, rule: CreaseRule) -> Self {
-        let sharp = self.edges.iter().filter(|&&s| s > 0.0);
-        let (count, sum) = sharp.fold((0.0, 0.0), |(n, sum), s| (n + 1.0, sum + s));
-        let edge = |&s: &f64| {
-            let finite = s > 0.0 && s.is_finite();
-            if finite && rule == CreaseRule::Chaikin && count > 1.0 {
-                // Infinite neighbours keep an edge sharp for ever, as in OpenSubdiv.
-                let others = (sum - s) / (count - 1.0);
-                return (0.75 * s + 0.25 * others - 1.0).max(0.0);
-            }
-            (s - 1.0).max(0.0)
+        let chaikin = match rule {
+            CreaseRule::Uniform => SemiSharp::default(),
+            CreaseRule::Chaikin => SemiSharp::among(self.edges.iter().copied()),
+        };
+        let edge = |&s: &f64| fallen(s, chaikin.others(s));
+        // In its next ring the far piece of an edge is the only other one that is sharp at its end.
+        let far = |(&s, &others): (&f64, &f64)| match fallen(s, others) {
+            piece if rule == CreaseRule::Chaikin && is_semi_sharp(piece) => piece,
+            _ => 0.0,
         };
         Self {
             closed: self.closed,
             edges: self.edges.iter().map(edge).collect(),
+            far: self.edges.iter().zip(&self.far).map(far).collect(),
             vertex: (self.vertex - 1.0).max(0.0),
         }
     }
@@ -188,7 +207,7 @@ impl Ring {
         }
         for j in 0..n {
             let row = 1 + j;
-            let sharp = sharp_fraction(self.edges[j]);
+            let sharp = sharp_fraction(self.edges[j], [child.edges[j], child.far[j]]);
             for end in [0, row] {
                 matrix[(row, end)] += 0.5 * sharp + 0.25 * (1.0 - sharp);
             }
@@ -204,7 +223,53 @@ impl Ring {
     }
 }
 
-/// Returns how much the midpoint counts in the new point of an edge.
-pub(super) fn sharp_fraction(sharpness: f64) -> f64 {
-    sharpness.min(1.0)
+/// Returns how much the midpoint counts in the new point of an edge, given the sharpness of its two
+/// pieces: all where both stay sharp, as they may by Chaikin's rule however little the edge is.
+pub(super) fn sharp_fraction(sharpness: f64, pieces: [f64; 2]) -> f64 {
+    if pieces.iter().all(|&piece| piece > 0.0) {
+        1.0
+    } else {
+        sharpness.min(1.0)
+    }
+}
+
+fn is_semi_sharp(sharpness: f64) -> bool {
+    sharpness > 0.0 && sharpness.is_finite()
+}
+
+/// Returns the sharpness of a piece of an edge, at whose end the other semi-sharp edges have this mean.
+fn fallen(sharpness: f64, others: f64) -> f64 {
+    if others > 0.0 {
+        (0.75 * sharpness + 0.25 * others - 1.0).max(0.0)
+    } else {
+        (sharpness - 1.0).max(0.0)
+    }
+}
+
+/// The semi-sharp edges around a vertex. Those that are sharp for ever do not count, as in OpenSubdiv.
+#[derive(Clone, Copy, Debug, Default)]
+struct SemiSharp {
+    count: u32,
+    sum: f64,
+}
+
+impl SemiSharp {
+    fn among(edges: impl Iterator<Item = f64>) -> Self {
+        edges
+            .filter(|&s| is_semi_sharp(s))
+            .fold(Self::default(), |all, s| Self {
+                count: all.count + 1,
+                sum: all.sum + s,
+            })
+    }
+
+    /// Returns the mean without an edge of this sharpness, or zero if it is no such edge or the only
+    /// one.
+    fn others(&self, own: f64) -> f64 {
+        if is_semi_sharp(own) && self.count > 1 {
+            (self.sum - own) / f64::from(self.count - 1)
+        } else {
+            0.0
+        }
+    }
 }

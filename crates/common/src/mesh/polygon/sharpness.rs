@@ -66,7 +66,8 @@ pub enum CreaseRule {
     /// By one each time.
     #[default]
     Uniform,
-    /// By one, after averaging with the other semi-sharp edges at either end, three to one.
+    /// By one, after averaging with the other semi-sharp edges at either end, three to one; edges that
+    /// are sharp for ever do not count.
     Chaikin,
 }
 
@@ -140,7 +141,8 @@ impl Sharpness {
         Ok(sharpness)
     }
 
-    /// Sets what tags say, all or, on an error, nothing. Boundary edges stay sharp.
+    /// Sets what tags say, all or, on an error, nothing. Boundary edges stay sharp, and so do corners of
+    /// the boundary that the rules made sharp.
     ///
     /// # Errors
     /// A tag that names no vertex or edge, or whose sharpness is negative or NaN.
@@ -156,12 +158,20 @@ impl Sharpness {
             .collect();
         for (tag, edge) in tags.iter().zip(places?) {
             match edge {
+                None if self.is_boundary_corner(topology, tag.vertices[0]) => {}
                 None => self.set_vertex(tag.vertices[0], tag.sharpness),
                 Some(edge) if topology.is_boundary_edge(edge) => {}
                 Some(edge) => self.set_edge(edge, tag.sharpness),
             }
         }
         Ok(())
+    }
+
+    /// Returns whether a vertex is sharp for ever and has a single face.
+    fn is_boundary_corner(&self, topology: &PolygonTopology, vertex: u32) -> bool {
+        self.vertex(vertex).is_infinite()
+            && topology.is_boundary_vertex(vertex)
+            && topology.outgoing(vertex).count() == 1
     }
 
     /// Returns the sharpness of a patch of a mesh, whose vertices are these of the mesh. What has

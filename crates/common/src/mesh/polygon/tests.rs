@@ -132,7 +132,7 @@ const STEPS: usize = 70;
 fn directions(mesh: &Refined, h: u32, positions: &[Point3<f64>]) -> Vec<Vector3<f64>> {
     let topology = &mesh.topology;
     let v = topology.origin(h);
-    let mut ring = ring::Ring::of(topology, &mesh.sharpness, v);
+    let mut ring = ring::Ring::of(topology, &mesh.sharpness, v, CreaseRule::Uniform);
     let n = ring.edges.len();
     let opposite = |h: u32| topology.origin(topology.next(topology.next(h)));
     let vertices = std::iter::once(v)
@@ -277,6 +277,73 @@ fn what_tags_cannot_mean_is_refused_with_its_number() {
         let error = build(vertices, sharpness).expect_err("refused");
         assert_eq!(error.tag(), 1);
         assert!(error.to_string().contains(text), "{error}");
+    }
+}
+
+#[test]
+fn chaikins_rule_averages_semi_sharp_edges_and_no_others() {
+    let mesh = quad_patch(4);
+    let topology = mesh.topology();
+    let rules = Rules {
+        creases: CreaseRule::Chaikin,
+        ..Rules::default()
+    };
+    let mut tags = Sharpness::smooth(topology, rules);
+    let ends: Vec<u32> = topology.neighbours(12).collect();
+    let spoke = |end: u32| topology.edge_between(12, end).expect("a spoke");
+    for (&end, sharpness) in ends.iter().zip([2.0, 0.5, 3.5, f64::INFINITY]) {
+        tags.set_edge(spoke(end), sharpness);
+    }
+    let fine = catmull_clark(topology, &tags, rules);
+    let piece = |end: u32, at: u32| {
+        let middle = topology.vertex_count() as u32 + spoke(end);
+        let edge = fine.topology.edge_between(at, middle).expect("a piece");
+        fine.sharpness.edge(edge)
+    };
+    assert_eq!([0, 1, 2].map(|i| piece(ends[i], 12)), [1.0, 0.0625, 1.9375]);
+    assert_eq!(piece(ends[3], 12), f64::INFINITY);
+    // At their far ends nothing else is sharp.
+    assert_eq!([0, 1, 2].map(|i| piece(ends[i], ends[i])), [1.0, 0.0, 2.5]);
+}
+
+#[test]
+fn an_edge_that_stays_sharp_on_both_sides_has_its_midpoint() {
+    let mesh = jittered(&quad_patch(4), 0.1, 3);
+    let topology = mesh.topology();
+    let rules = Rules {
+        creases: CreaseRule::Chaikin,
+        ..Rules::default()
+    };
+    let mut tags = Sharpness::smooth(topology, rules);
+    let edge = |a: u32, b: u32| topology.edge_between(a, b).expect("an edge");
+    for [a, b] in [[6, 11], [11, 12], [12, 13], [13, 8]] {
+        tags.set_edge(edge(a, b), 4.0);
+    }
+    tags.set_edge(edge(11, 12), 0.5);
+    let fine = catmull_clark(topology, &tags, rules);
+    let middle = fine
+        .stencils
+        .row(topology.vertex_count() + edge(11, 12) as usize);
+    assert_eq!(middle, (&[11, 12][..], &[0.5, 0.5][..]));
+}
+
+#[test]
+fn a_tag_does_not_soften_a_sharp_corner_of_the_boundary() {
+    let mesh = quad_patch(2);
+    for (corners, expected) in [
+        (BoundaryCorners::Sharp, f64::INFINITY),
+        (BoundaryCorners::Smooth, 1.5),
+    ] {
+        let rules = Rules {
+            corners,
+            ..Rules::default()
+        };
+        let tag = CreaseTag {
+            vertices: [0, 0],
+            sharpness: 1.5,
+        };
+        let tags = Sharpness::build(mesh.topology(), rules, &[tag]).expect("tags fit");
+        assert_eq!(tags.vertex(0), expected);
     }
 }
 
