@@ -1,4 +1,5 @@
 //! Curve networks from files to quads, where the files are at hand.
+#![allow(clippy::print_stdout, reason = "tests say when they did not run")]
 
 use std::path::PathBuf;
 

@@ -18,7 +18,7 @@ use crate::arrays::read_rows;
 use crate::case::{Data, Input};
 use crate::clock::PhaseClock;
 use crate::error::{RunError, SplineFileError};
-use crate::generated::{colour_image, colour_pattern, mesh_digest};
+use crate::generated::{ControlShape, colour_image, colour_pattern, mesh_digest};
 use crate::record::{InputFacts, InputKind};
 use crate::spline_file::{SplineFile, StoredDomain};
 
@@ -97,33 +97,7 @@ pub fn load(input: &Input, clock: &mut PhaseClock) -> Result<LoadedInput, RunErr
                 warnings: Vec::new(),
             }
         }
-        Input::Control(shape) => {
-            let refused = |reason: String| RunError::Input {
-                file: shape.to_string(),
-                reason,
-            };
-            let (mesh, _) = shape.mesh();
-            let mut soup = PolygonSoup {
-                positions: mesh.positions().to_vec(),
-                ..PolygonSoup::default()
-            };
-            for face in mesh.topology().faces() {
-                soup.push_face(face.iter().map(|&v| i64::from(v)));
-            }
-            let accepted = accept(&soup, Policy::Refuse).map_err(|e| refused(e.to_string()))?;
-            let digest = mesh_digest(&accepted.mesh);
-            LoadedInput {
-                facts: facts(
-                    &accepted.mesh,
-                    shape.to_string(),
-                    digest,
-                    InputKind::Polygons,
-                ),
-                attributes: Vec::new(),
-                warnings: Vec::new(),
-                mesh: accepted.mesh,
-            }
-        }
+        Input::Control(shape) => triangulated(shape)?,
         Input::File { path, repair } => {
             let file = file_name(path);
             let refused = |reason: String| RunError::Input {
@@ -154,6 +128,30 @@ pub fn load(input: &Input, clock: &mut PhaseClock) -> Result<LoadedInput, RunErr
     };
     clock.leave();
     Ok(loaded)
+}
+
+/// Returns a generated control mesh with its quads cut into triangles.
+fn triangulated(shape: &ControlShape) -> Result<LoadedInput, RunError> {
+    let (mesh, _) = shape.mesh();
+    let mut soup = PolygonSoup {
+        positions: mesh.positions().to_vec(),
+        ..PolygonSoup::default()
+    };
+    for face in mesh.topology().faces() {
+        soup.push_face(face.iter().map(|&v| i64::from(v)));
+    }
+    let accepted = accept(&soup, Policy::Refuse).map_err(|e| RunError::Input {
+        file: shape.to_string(),
+        reason: e.to_string(),
+    })?;
+    let digest = mesh_digest(&accepted.mesh);
+    let kind = InputKind::Polygons;
+    Ok(LoadedInput {
+        facts: facts(&accepted.mesh, shape.to_string(), digest, kind),
+        attributes: Vec::new(),
+        warnings: Vec::new(),
+        mesh: accepted.mesh,
+    })
 }
 
 /// Returns the triangles of a file with their attributes, whatever shape they have; for files that

@@ -115,19 +115,7 @@ fn tags(mesh: &PolygonMesh, words: &[Word]) -> Vec<CreaseTag> {
             || (words.contains(&Word::Top) && on_top(faces[0]) != on_top(faces[1]));
     }
     if words.contains(&Word::Dart) {
-        let away = |v: u32| {
-            topology
-                .spokes(v)
-                .all(|h| !creased[topology.edge(h) as usize])
-        };
-        let inner = |v: u32| topology.valence(v) == 4 && !topology.is_boundary_vertex(v) && away(v);
-        let middle = (0..topology.vertex_count() as u32).find(|&v| inner(v));
-        for h in middle
-            .into_iter()
-            .flat_map(|v| topology.outgoing(v).step_by(2))
-        {
-            creased[topology.edge(h) as usize] = true;
-        }
+        add_dart(mesh, &mut creased);
     }
     let edges = (0..topology.edge_count() as u32).filter(|&e| creased[e as usize]);
     let mut tags: Vec<CreaseTag> = edges
@@ -150,6 +138,24 @@ fn tags(mesh: &PolygonMesh, words: &[Word]) -> Vec<CreaseTag> {
         }));
     }
     tags
+}
+
+/// Makes a crease of two edges in a line, away from the others.
+fn add_dart(mesh: &PolygonMesh, creased: &mut [bool]) {
+    let topology = mesh.topology();
+    let away = |v: u32| {
+        topology
+            .spokes(v)
+            .all(|h| !creased[topology.edge(h) as usize])
+    };
+    let inner = |v: u32| topology.valence(v) == 4 && !topology.is_boundary_vertex(v) && away(v);
+    let middle = (0..topology.vertex_count() as u32).find(|&v| inner(v));
+    for h in middle
+        .into_iter()
+        .flat_map(|v| topology.outgoing(v).step_by(2))
+    {
+        creased[topology.edge(h) as usize] = true;
+    }
 }
 
 impl fmt::Display for ControlShape {

@@ -10,7 +10,7 @@ use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::metrics::{SurfaceTree, VertexError, distance, vertex_error};
 use msplines_common::progress::{Observer, Outcome};
-use msplines_sparse_manifold::{Report, SparseManifold, Tessellation, Tessellator, fit_to};
+use msplines_sparse_manifold::{Fit, Report, SparseManifold, Tessellation, Tessellator, fit_to};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -60,17 +60,7 @@ pub(super) fn run(
     };
     enter("domain", clock, observer);
     let control = &problem.control;
-    let fit = {
-        let mut timed = following(&["fit"], clock, observer);
-        let (mesh, sharpness) = (&control.mesh, &control.sharpness);
-        fit_to(
-            mesh,
-            sharpness,
-            &problem.observations,
-            &method.options,
-            &mut timed,
-        )?
-    };
+    let fit = fitted(&problem, method, clock, observer)?;
     let spline = SplineFile::new(
         domain(case, &problem),
         options(case, method),
@@ -92,22 +82,19 @@ pub(super) fn run(
     let mesh = triangles(&surface)?;
     enter("measure", clock, observer);
     let measured = problem.measure(&stored)?;
-    let mut checks = checks(&fit.report, &stored, control, &measured);
-    let mut record = Record {
-        distance: match &problem.scan {
-            Some(scan) => Some(distance(scan, &mesh, SAMPLES, case.seed)?),
-            None => None,
-        },
-        error: Some(measured.error),
-        ..record(case.seed, &problem.facts, &spline, &fit.report, &stored)
-    };
+    let mut record = record(case.seed, &problem.facts, &spline, &fit.report, &stored);
+    record.checks = checks(&fit.report, &stored, control, &measured);
+    let points = ("evaluated_points".to_owned(), json!(mesh.vertex_count()));
+    record.checks.extend([points]);
+    record.error = Some(measured.error);
+    if let Some(scan) = &problem.scan {
+        record.distance = Some(distance(scan, &mesh, SAMPLES, case.seed)?);
+    }
     let fields = fields::fields(&stored, control, &surface, method)?;
     enter("write", clock, observer);
     let names = ["x", "y", "z"].map(str::to_owned);
     write_outputs(&case.outputs, &spline, &mesh, &values, &names, &fields)?;
     clock.leave();
-    checks.insert("evaluated_points".to_owned(), json!(mesh.vertex_count()));
-    record.checks = checks;
     record.seconds = clock.read();
     record.peak_rss_bytes = process_usage().peak_rss_bytes;
     record.warnings = problem.warnings.clone();
@@ -122,6 +109,24 @@ pub(super) fn run(
         knots: Vec::new(),
         frames: Vec::new(),
     })
+}
+
+fn fitted(
+    problem: &Problem,
+    method: &SparseManifoldMethod,
+    clock: &mut PhaseClock,
+    observer: &mut Observer<'_>,
+) -> Result<Fit, RunError> {
+    let mut timed = following(&["fit"], clock, observer);
+    let (mesh, sharpness) = (&problem.control.mesh, &problem.control.sharpness);
+    let observations = &problem.observations;
+    Ok(fit_to(
+        mesh,
+        sharpness,
+        observations,
+        &method.options,
+        &mut timed,
+    )?)
 }
 
 /// Evaluates a stored manifold on a grid of `2^rounds` cells a side in every face.
