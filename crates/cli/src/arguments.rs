@@ -80,6 +80,8 @@ pub(crate) enum Fit {
     LsMesh(LsMesh),
     /// A smooth manifold with creases over a mesh of quads.
     SparseManifold(SparseManifold),
+    /// A surface through a network of curves.
+    CurveNetwork(CurveNetwork),
 }
 
 /// What every fit takes.
@@ -284,6 +286,63 @@ pub(crate) struct SparseManifold {
     /// Write only the digest of the mesh file into a .json, not the mesh.
     #[arg(long)]
     pub(crate) domain_by_digest: bool,
+}
+
+/// `msplines fit curve-network`.
+#[derive(Debug, Args)]
+pub(crate) struct CurveNetwork {
+    /// Curves that meet at common points: .curves, .obj with lines, or .svg with paths.
+    pub(crate) input: PathBuf,
+    /// File to write, more than one by repeating: .ply, .vtu, .glb or .obj for the surface, .json
+    /// for the spline.
+    #[arg(short, long = "output", value_name = "OUT")]
+    pub(crate) outputs: Vec<PathBuf>,
+    /// A cycle of points, counted from 0, that stays open; more than one by repeating.
+    #[arg(long, value_name = "P,P,...", value_parser = points)]
+    pub(crate) hole: Vec<Points>,
+    /// A cycle of points that is filled although it looks like an opening; more than one by repeating.
+    #[arg(long, value_name = "P,P,...", value_parser = points)]
+    pub(crate) fill: Vec<Points>,
+    /// A cycle of points around a patch; with any, no others are looked for.
+    #[arg(long, value_name = "P,P,...", value_parser = points)]
+    pub(crate) cycle: Vec<Points>,
+    /// Number of vertices less edges plus faces that the surface should have.
+    #[arg(long, value_name = "CHI", allow_hyphen_values = true)]
+    pub(crate) expected_euler: Option<i64>,
+    /// Keep kinks out, or let them in everywhere, instead of along creases only.
+    #[arg(long, value_enum, default_value_t = Kinks::Creases)]
+    pub(crate) kinks: Kinks,
+    /// Largest degree of the polynomials of a chart.
+    #[arg(long, value_name = "D", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=14))]
+    pub(crate) degree: u32,
+    /// The paper's pursuit on the curves alone, which leaves to chance what lies between them.
+    #[arg(long, conflicts_with_all = ["kinks", "degree"])]
+    pub(crate) paper: bool,
+    /// Cut every face of the surface into so many by so many cells.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) tessellate: u32,
+}
+
+/// Points of a cycle.
+#[derive(Clone, Debug)]
+pub(crate) struct Points(pub(crate) Vec<u32>);
+
+fn points(text: &str) -> Result<Points, String> {
+    let points: Result<Vec<u32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    points
+        .map(Points)
+        .map_err(|_| "give the numbers of points, such as 3,7,12,9".to_owned())
+}
+
+/// Where a surface over curves may have kinks.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Kinks {
+    /// Along curves that are flagged as creases.
+    Creases,
+    /// Along all curves.
+    Everywhere,
+    /// Nowhere.
+    Nowhere,
 }
 
 /// Which function of a chart comes next.

@@ -32,6 +32,7 @@ pub(crate) fn fit(fit: &Fit, session: &Session) -> Result<u8, Failure> {
             (&files.input, case(files, ls_mesh(arguments), session))
         }
         Fit::SparseManifold(arguments) => (&arguments.input, manifold::case(arguments, session)),
+        Fit::CurveNetwork(arguments) => (&arguments.input, manifold::network(arguments, session)),
     };
     let label = format!("{} {}", case.method.name(), file_name(input));
     session.observe(&label, |observer| {

@@ -1,13 +1,16 @@
-//! `msplines fit sparse-manifold`.
+//! `msplines fit sparse-manifold` and `msplines fit curve-network`.
 
 use msplines_common::mesh::polygon::{BoundaryCorners, CreaseRule, Rules};
 use msplines_compare::case::{
-    Case, Creases, DomainStorage, Input, Method, Polygons, SparseManifoldMethod,
+    Case, Creases, CurveNetworkMethod, DomainStorage, Input, Method, Polygons, SparseManifoldMethod,
 };
+use msplines_sparse_manifold::network::{C0Atoms, CycleOptions, NetworkOptions};
 use msplines_sparse_manifold::pursuit::Selection;
 use msplines_sparse_manifold::{Components, DictionaryKind, Gate, Local, Options};
 
-use crate::arguments::{self, AtomSelection, LocalFit, SparseManifold};
+use crate::arguments::{
+    self, AtomSelection, CurveNetwork, Kinks, LocalFit, Points, SparseManifold,
+};
 use crate::session::Session;
 
 /// Returns the run that the arguments ask for.
@@ -87,5 +90,47 @@ fn options(arguments: &SparseManifold) -> Options {
         },
         smooth_charts,
         ..Options::default()
+    }
+}
+
+/// Returns the run over a curve network that the arguments ask for.
+pub(crate) fn network(arguments: &CurveNetwork, session: &Session) -> Case {
+    let lists = |given: &[Points]| given.iter().map(|points| points.0.clone()).collect();
+    let base = if arguments.paper {
+        NetworkOptions::PAPER
+    } else {
+        NetworkOptions {
+            degree: arguments.degree,
+            c0_atoms: match arguments.kinks {
+                Kinks::Creases => C0Atoms::Gated,
+                Kinks::Everywhere => C0Atoms::With,
+                Kinks::Nowhere => C0Atoms::Without,
+            },
+            ..NetworkOptions::default()
+        }
+    };
+    let options = NetworkOptions {
+        cycles: CycleOptions {
+            seed: session.seed,
+            expected_euler: arguments.expected_euler,
+            cycles: lists(&arguments.cycle),
+            fill: lists(&arguments.fill),
+            hole: lists(&arguments.hole),
+            ..CycleOptions::default()
+        },
+        ..base
+    };
+    let input = Input::File {
+        path: arguments.input.clone(),
+        repair: session.repair,
+    };
+    let method = CurveNetworkMethod {
+        options,
+        cells: arguments.tessellate,
+    };
+    Case {
+        outputs: arguments.outputs.clone(),
+        seed: session.seed,
+        ..Case::new(input, Method::CurveNetwork(Box::new(method)))
     }
 }

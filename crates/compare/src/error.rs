@@ -131,6 +131,9 @@ pub enum RunError {
     /// The sparse manifold failed.
     #[error("sparse-manifold: {0}")]
     SparseManifold(#[from] msplines_sparse_manifold::FitError),
+    /// The surface over a curve network failed.
+    #[error("curve-network: {0}")]
+    CurveNetwork(#[from] msplines_sparse_manifold::network::NetworkError),
     /// The fitted or stored spline could not be evaluated.
     #[error(transparent)]
     Spline(#[from] SplineFileError),
@@ -163,6 +166,7 @@ impl RunError {
             | Self::NoSuchAttribute { .. } => exit::INPUT,
             Self::Spline(error) => error.exit_code(),
             Self::SparseManifold(error) => manifold_exit_code(error),
+            Self::CurveNetwork(_) => exit::METHOD,
             Self::Task { .. }
             | Self::Biharmonic(FitError::CreaseAngle { .. } | FitError::WeightsWithL1)
             | Self::Combine(CombineError::Factor { .. })

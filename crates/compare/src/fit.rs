@@ -69,7 +69,7 @@ pub(crate) fn fit(
             let fit = ls_mesh::fit(&input.mesh, values, &options, &mut timed)?;
             Ok(Fitted::of_ls_mesh(fit, &options))
         }
-        Method::SparseManifold(_) => Err(RunError::Task {
+        Method::SparseManifold(_) | Method::CurveNetwork(_) => Err(RunError::Task {
             task: "spline over triangles",
             method: case.method.name(),
         }),

@@ -39,6 +39,7 @@ const NEAR_CENTRE: f64 = 1e-4;
 pub struct SparseManifold {
     mesh: PolygonMesh,
     domain: Arc<Domain>,
+    made_of: (DictionaryKind, Option<u32>),
     dictionaries: Vec<Arc<Dictionary>>,
     functions: Vec<Function>,
 }
@@ -75,6 +76,7 @@ impl SparseManifold {
             mesh: mesh.clone(),
             dictionaries: dictionaries.collect(),
             domain: Arc::new(domain),
+            made_of: (kind, degree),
             functions,
         }
     }
@@ -122,6 +124,13 @@ impl SparseManifold {
     #[must_use]
     pub fn mesh(&self) -> &PolygonMesh {
         &self.mesh
+    }
+
+    /// Returns the kind of its dictionaries, and the degree of their monomials; absent, that depends on
+    /// the valence.
+    #[must_use]
+    pub fn made_of(&self) -> (DictionaryKind, Option<u32>) {
+        self.made_of
     }
 
     /// Returns the charts.

@@ -37,6 +37,25 @@ impl Default for SparseManifoldMethod {
     }
 }
 
+/// A surface over a curve network with its options.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CurveNetworkMethod {
+    /// Options of cycles and fit.
+    pub options: msplines_sparse_manifold::network::NetworkOptions,
+    /// Cells along the side of a face when the surface is cut into triangles.
+    pub cells: u32,
+}
+
+impl Default for CurveNetworkMethod {
+    fn default() -> Self {
+        Self {
+            options: Default::default(),
+            cells: 8,
+        }
+    }
+}
+
 /// Where the sharpness of edges and corners comes from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

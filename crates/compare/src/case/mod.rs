@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::animation::Frames;
 use crate::generated::{ControlShape, GeneratedSurface};
 
-pub use manifold::{Creases, Polygons, SparseManifoldMethod};
+pub use manifold::{Creases, CurveNetworkMethod, Polygons, SparseManifoldMethod};
 
 /// One run: an input, the data on it, a method with its options, and what to write.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,7 +90,7 @@ impl Case {
                     creases = Some(path);
                 }
             }
-            Method::LsMesh { .. } => {}
+            Method::LsMesh { .. } | Method::CurveNetwork(_) => {}
         }
         if let Data::Array(values) = &mut self.data {
             data = Some(values);
@@ -210,6 +210,8 @@ pub enum Method {
     },
     /// Sparse manifold over a control mesh or a scan.
     SparseManifold(Box<SparseManifoldMethod>),
+    /// Sparse manifold over the patches of a curve network.
+    CurveNetwork(Box<CurveNetworkMethod>),
 }
 
 impl Method {
@@ -241,6 +243,7 @@ impl Method {
             Self::Biharmonic(_) => "biharmonic",
             Self::LsMesh { .. } => "ls-mesh",
             Self::SparseManifold(_) => "sparse-manifold",
+            Self::CurveNetwork(_) => "curve-network",
         }
     }
 }

@@ -73,6 +73,9 @@ pub fn run(
     if let Method::SparseManifold(method) = &case.method {
         return manifold::run(case, method, &mut clock, observer);
     }
+    if let Method::CurveNetwork(method) = &case.method {
+        return manifold::network::run(case, method, &mut clock, observer);
+    }
     let input = prepared(load(&case.input, &mut clock)?, case)?;
     if let Some(over_time) = frames::asked(case, &input)? {
         return frames::run(case, &over_time, &input, &mut clock, observer);

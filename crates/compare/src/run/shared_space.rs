@@ -53,7 +53,7 @@ impl SharedSpace {
                 options: ls_mesh_options(*controls, *selection, *constraints, mesh)?,
                 space: Box::new(ls_mesh::Space::assemble(mesh)?),
             }),
-            Method::SparseManifold(_) => Err(RunError::Task {
+            Method::SparseManifold(_) | Method::CurveNetwork(_) => Err(RunError::Task {
                 task: "data over time",
                 method: case.method.name(),
             }),

@@ -2,7 +2,7 @@
 
 use msplines_common::Point3;
 use msplines_common::mesh::polygon::PolygonMesh;
-use msplines_sparse_manifold::{DictionaryKind, Local, Options, SparseManifold};
+use msplines_sparse_manifold::{DictionaryKind, SparseManifold};
 use serde::{Deserialize, Serialize};
 
 use crate::error::SplineFileError;
@@ -71,26 +71,10 @@ pub struct StoredChart {
 }
 
 impl StoredManifold {
-    /// Returns the stored form of a manifold that was fitted with these options.
+    /// Returns the stored form of a manifold.
     #[must_use]
-    pub fn of(spline: &SparseManifold, options: &Options) -> Self {
-        let (dictionary, degree) = match options.local {
-            Local::Sparse { dictionary, .. } => {
-                (dictionary, Some(msplines_sparse_manifold::DEGREE))
-            }
-            Local::Polynomial { degree } => (DictionaryKind::Polynomials, degree),
-            Local::Spline => (DictionaryKind::Splines, Some(0)),
-        };
-        Self::of_charts(spline, dictionary, degree)
-    }
-
-    /// Returns the stored form of a manifold whose charts have this dictionary.
-    #[must_use]
-    pub fn of_charts(
-        spline: &SparseManifold,
-        dictionary: DictionaryKind,
-        degree: Option<u32>,
-    ) -> Self {
+    pub fn of(spline: &SparseManifold) -> Self {
+        let (dictionary, degree) = spline.made_of();
         let charts = 0..spline.mesh().vertex_count() as u32;
         let stored = |chart| {
             let (atoms, coefficients) = spline.chart(chart);

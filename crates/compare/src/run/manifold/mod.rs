@@ -2,6 +2,7 @@
 
 mod control;
 mod fields;
+pub(super) mod network;
 mod scan;
 
 use std::collections::BTreeMap;
@@ -64,7 +65,7 @@ pub(super) fn run(
     let spline = SplineFile::new(
         domain(case, &problem),
         options(case, method),
-        StoredSpline::SparseManifold(StoredManifold::of(&fit.spline, &method.options)),
+        StoredSpline::SparseManifold(StoredManifold::of(&fit.spline)),
     );
     // What is measured and written is what is stored.
     let stored = spline
