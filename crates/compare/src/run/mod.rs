@@ -17,7 +17,7 @@ use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_common::progress::{Observer, Outcome, Progress};
 use serde_json::{Value, json};
 
-use crate::case::{Case, Data, DomainStorage, Input, Method, Task};
+use crate::case::{Case, Data, DomainStorage, Input, Task};
 use crate::clock::{PhaseClock, process_usage};
 use crate::error::RunError;
 use crate::fit::{Fitted, fit};
@@ -70,11 +70,8 @@ pub fn run(
     check_outputs(&case.outputs)?;
     let mut clock = PhaseClock::start(process_start);
     announce("read", observer);
-    if let Method::SparseManifold(method) = &case.method {
-        return manifold::run(case, method, &mut clock, observer);
-    }
-    if let Method::CurveNetwork(method) = &case.method {
-        return manifold::network::run(case, method, &mut clock, observer);
+    if let Some(output) = manifold::asked(case, &mut clock, observer) {
+        return output;
     }
     let input = prepared(load(&case.input, &mut clock)?, case)?;
     if let Some(over_time) = frames::asked(case, &input)? {

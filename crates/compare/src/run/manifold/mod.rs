@@ -2,7 +2,7 @@
 
 mod control;
 mod fields;
-pub(super) mod network;
+mod network;
 mod scan;
 
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::{Evaluation, RunOutput, check_finite, enter};
-use crate::case::{Case, DomainStorage, Input, SparseManifoldMethod, Task};
+use crate::case::{Case, DomainStorage, Input, Method, SparseManifoldMethod, Task};
 use crate::clock::{PhaseClock, process_usage};
 use crate::error::RunError;
 use crate::fit::following;
@@ -47,8 +47,21 @@ pub struct Companion {
     pub creases: Vec<[u32; 2]>,
 }
 
+/// Runs a case whose method is a manifold; nothing for another one.
+pub(super) fn asked(
+    case: &Case,
+    clock: &mut PhaseClock,
+    observer: &mut Observer<'_>,
+) -> Option<Result<RunOutput, RunError>> {
+    match &case.method {
+        Method::SparseManifold(method) => Some(run(case, method, clock, observer)),
+        Method::CurveNetwork(method) => Some(network::run(case, method, clock, observer)),
+        Method::Biharmonic(_) | Method::LsMesh { .. } => None,
+    }
+}
+
 /// Runs a case whose method is a sparse manifold.
-pub(super) fn run(
+fn run(
     case: &Case,
     method: &SparseManifoldMethod,
     clock: &mut PhaseClock,

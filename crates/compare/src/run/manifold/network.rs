@@ -14,7 +14,7 @@ use crate::error::RunError;
 use crate::fit::following;
 use crate::input::{file_name, unreadable};
 use crate::output::write_outputs;
-use crate::record::{InputKind, RUN_SCHEMA, Record, Tool};
+use crate::record::{InputFacts, InputKind, RUN_SCHEMA, Record, Seconds, Tool};
 use crate::run::{RunOutput, check_finite, enter};
 use crate::spline_file::{SplineFile, StoredDomain, StoredManifold, StoredPolygons, StoredSpline};
 use msplines_common::progress::Observer;
@@ -68,30 +68,9 @@ pub(in crate::run) fn run(
     let names = ["x", "y", "z"].map(str::to_owned).to_vec();
     write_outputs(&case.outputs, &spline, &tessellated, &values, &names, &[])?;
     clock.leave();
-    let mut input = facts(mesh, file, sha256);
-    input.kind = InputKind::Curves;
-    let corners = mesh.topology().half_edge_count();
-    let mut warnings = fit.cycles.report.warnings.clone();
-    warnings.extend(fit.report.warnings.iter().cloned());
-    let record = Record {
-        schema: RUN_SCHEMA.to_owned(),
-        tool: Tool::this(),
-        method: case.method.name().to_owned(),
-        input,
-        options: spline.options.clone(),
-        outcome: fit.report.outcome,
-        dofs: restored.coefficient_count() as u64,
-        domain_bytes: (24 * mesh.vertex_count() + 4 * corners) as u64,
-        error: None,
-        error_unit_cube: None,
-        distance: None,
-        checks: checks(&fit),
-        seconds: clock.read(),
-        peak_rss_bytes: process_usage().peak_rss_bytes,
-        threads: rayon::current_num_threads(),
-        seed: case.seed,
-        warnings,
-    };
+    let mut record = record(case, &fit, &spline, facts(mesh, file, sha256));
+    record.seconds = clock.read();
+    record.peak_rss_bytes = process_usage().peak_rss_bytes;
     Ok(RunOutput {
         record,
         companions: Vec::new(),
@@ -103,6 +82,34 @@ pub(in crate::run) fn run(
         knots: Vec::new(),
         frames: Vec::new(),
     })
+}
+
+fn record(case: &Case, fit: &NetworkFit, spline: &SplineFile, facts: InputFacts) -> Record {
+    let mesh = fit.spline.mesh();
+    let mut warnings = fit.cycles.report.warnings.clone();
+    warnings.extend(fit.report.warnings.iter().cloned());
+    Record {
+        schema: RUN_SCHEMA.to_owned(),
+        tool: Tool::this(),
+        method: case.method.name().to_owned(),
+        input: InputFacts {
+            kind: InputKind::Curves,
+            ..facts
+        },
+        options: spline.options.clone(),
+        outcome: fit.report.outcome,
+        dofs: fit.spline.coefficient_count() as u64,
+        domain_bytes: (24 * mesh.vertex_count() + 4 * mesh.topology().half_edge_count()) as u64,
+        error: None,
+        error_unit_cube: None,
+        distance: None,
+        checks: checks(fit),
+        seconds: Seconds::default(),
+        peak_rss_bytes: 0,
+        threads: rayon::current_num_threads(),
+        seed: case.seed,
+        warnings,
+    }
 }
 
 /// Distances in mean arc lengths, angles in degrees.
