@@ -48,8 +48,8 @@ pub struct NetworkFit {
 ///
 /// # Reference
 /// [Wang2016] §4.3. Deviation: charts are polynomials of full degree, found together, with a bending
-/// energy between the curves; the paper's pursuit on the curves alone is
-/// [`SurfaceMethod::Pursuit`].
+/// energy between the curves. The options of the paper, `network::PAPER`, pursue atoms on the curves
+/// alone.
 ///
 /// ```
 /// use msplines_common::mesh::shapes::dome_network;
