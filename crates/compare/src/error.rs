@@ -306,6 +306,9 @@ pub enum SplineFileError {
     /// The parts do not make a sparse manifold.
     #[error("sparse-manifold: {0}")]
     SparseManifold(#[from] msplines_sparse_manifold::SplineError),
+    /// The parts do not make the function of a chart.
+    #[error("chart: {0}")]
+    Chart(#[from] msplines_sparse_manifold::LocalError),
     /// A domain of polygons, or a spline over one, where triangles are needed.
     #[error("the spline lives on polygons, not on triangles; evaluate it by itself")]
     Polygons,

@@ -98,6 +98,12 @@ pub fn load(input: &Input, clock: &mut PhaseClock) -> Result<LoadedInput, RunErr
             }
         }
         Input::Control(shape) => triangulated(shape)?,
+        Input::Network(_) | Input::Chart(_) => {
+            return Err(RunError::Input {
+                file: input_name(input),
+                reason: "this is no mesh; give one of triangles".to_owned(),
+            });
+        }
         Input::File { path, repair } => {
             let file = file_name(path);
             let refused = |reason: String| RunError::Input {
@@ -128,6 +134,18 @@ pub fn load(input: &Input, clock: &mut PhaseClock) -> Result<LoadedInput, RunErr
     };
     clock.leave();
     Ok(loaded)
+}
+
+/// Returns the name of a generated input, or that of its file.
+#[must_use]
+pub fn input_name(input: &Input) -> String {
+    match input {
+        Input::File { path, .. } => file_name(path),
+        Input::Surface(surface) => surface.to_string(),
+        Input::Control(shape) => shape.to_string(),
+        Input::Network(network) => network.to_string(),
+        Input::Chart(chart) => chart.to_string(),
+    }
 }
 
 /// Returns a generated control mesh with its quads cut into triangles.

@@ -4,4 +4,5 @@ mod biharmonic;
 mod exit_codes;
 mod files;
 mod hostile;
+mod manifold;
 mod workbench;

@@ -56,6 +56,24 @@ impl Default for CurveNetworkMethod {
     }
 }
 
+/// The function of a single chart with its options.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChartMethod {
+    /// How it is found.
+    pub local: msplines_sparse_manifold::Local,
+    /// Cells along the side of a sector at whose corners it is compared and shown.
+    pub cells: u32,
+}
+
+impl ChartMethod {
+    /// Returns the method with the default resolution.
+    #[must_use]
+    pub fn new(local: msplines_sparse_manifold::Local) -> Self {
+        Self { local, cells: 32 }
+    }
+}
+
 /// Where the sharpness of edges and corners comes from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -10,9 +10,9 @@ use msplines_biharmonic::Scheme;
 use serde::{Deserialize, Serialize};
 
 use crate::animation::Frames;
-use crate::generated::{ControlShape, GeneratedSurface};
+use crate::generated::{ChartFunction, ControlShape, GeneratedSurface, NetworkShape};
 
-pub use manifold::{Creases, CurveNetworkMethod, Polygons, SparseManifoldMethod};
+pub use manifold::{ChartMethod, Creases, CurveNetworkMethod, Polygons, SparseManifoldMethod};
 
 /// One run: an input, the data on it, a method with its options, and what to write.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,7 +90,7 @@ impl Case {
                     creases = Some(path);
                 }
             }
-            Method::LsMesh { .. } | Method::CurveNetwork(_) => {}
+            Method::LsMesh { .. } | Method::CurveNetwork(_) | Method::Chart(_) => {}
         }
         if let Data::Array(values) = &mut self.data {
             data = Some(values);
@@ -165,6 +165,10 @@ pub enum Input {
     Surface(GeneratedSurface),
     /// A control mesh made from a name.
     Control(ControlShape),
+    /// A curve network made from a name.
+    Network(NetworkShape),
+    /// A function of a chart made from a name.
+    Chart(ChartFunction),
 }
 
 /// What is fitted at the vertices.
@@ -212,6 +216,8 @@ pub enum Method {
     SparseManifold(Box<SparseManifoldMethod>),
     /// Sparse manifold over the patches of a curve network.
     CurveNetwork(Box<CurveNetworkMethod>),
+    /// The function of a single chart.
+    Chart(ChartMethod),
 }
 
 impl Method {
@@ -244,6 +250,7 @@ impl Method {
             Self::LsMesh { .. } => "ls-mesh",
             Self::SparseManifold(_) => "sparse-manifold",
             Self::CurveNetwork(_) => "curve-network",
+            Self::Chart(_) => "chart",
         }
     }
 }

@@ -43,6 +43,9 @@ pub struct Panel {
     /// Whose numbers its colours span, [`FieldScale::Shared`] where absent; only with
     /// [`Show::Field`] and numbers.
     pub scale: Option<FieldScale>,
+    /// Share of the vertices whose numbers the colours span, all where absent: a field with
+    /// singularities would be of one colour; only with [`Show::Field`] and numbers.
+    pub span: Option<f64>,
     /// Whether the knots or control vertices are drawn on top, as [`Show::Knots`] does.
     #[serde(default)]
     pub knots: bool,
@@ -111,7 +114,10 @@ impl Panel {
 
     /// Returns which fields contradict each other, and what to write.
     pub(super) fn problem(&self) -> Option<&'static str> {
-        let says_how = self.field.is_some() || self.colours.is_some() || self.scale.is_some();
+        let says_how = self.field.is_some()
+            || self.colours.is_some()
+            || self.scale.is_some()
+            || self.span.is_some();
         let has_numbers = matches!(
             self.field_colours(),
             FieldColours::Sequential | FieldColours::Diverging
@@ -120,15 +126,25 @@ impl Panel {
             (Show::Field, FieldColours::Values) if self.field.is_some() => {
                 Some("`colours = \"values\"` shows `red`, `green` and `blue`; leave out `field`")
             }
-            (Show::Field, FieldColours::Values) if self.scale.is_none() => None,
+            (Show::Field, FieldColours::Values) if self.scale.is_none() && self.span.is_none() => {
+                None
+            }
             (Show::Field, _) if self.scale.is_some() && !has_numbers => {
                 Some("cells and values have no `scale`; leave it out")
+            }
+            (Show::Field, _) if self.span.is_some() && !has_numbers => {
+                Some("cells and values have no `span`; leave it out")
+            }
+            (Show::Field, _) if self.span.is_some_and(|span| !(span > 0.0 && span <= 1.0)) => {
+                Some("`span` is a share of the vertices, above 0 and at most 1")
             }
             (Show::Field, _) if self.field.is_none() => {
                 Some("name the attribute of its surface as `field`")
             }
             (Show::Field, _) => None,
-            _ if says_how => Some("`field`, `colours` and `scale` go with `show = \"field\"` only"),
+            _ if says_how => {
+                Some("`field`, `colours`, `scale` and `span` go with `show = \"field\"` only")
+            }
             _ => None,
         }
     }
@@ -330,7 +346,25 @@ mod tests {
                 "{error}"
             );
         }
-        let error = parse("show = \"field\"\nfield = \"u\"\ncolours = \"rainbow\"");
+    }
+
+    #[test]
+    fn unknown_colours_and_spans_that_are_no_share_are_refused() {
+        let parse = |fields: &str| {
+            let text = format!(
+                "[[figure]]\nid = \"f\"\ncaption = \"\"\n[[figure.panel]]\nrow = \"a\"\nshow = \"field\"\nfield = \"u\"\n{fields}\n"
+            );
+            parse_with("", &text)
+        };
+        parse("span = 0.98").expect("a share");
+        for (fields, message) in [
+            ("colours = \"cells\"\nspan = 0.9", "no `span`"),
+            ("span = 1.5", "at most 1"),
+        ] {
+            let error = parse(fields).expect_err(fields).to_string();
+            assert!(error.contains(message), "{error}");
+        }
+        let error = parse("colours = \"rainbow\"");
         let text = error.expect_err("no such colours").to_string();
         assert!(
             text.contains("p/i.toml") && text.contains("rainbow"),

@@ -3,6 +3,7 @@
 mod column;
 mod figure;
 mod manifold;
+mod network;
 mod over_time;
 mod property;
 mod row;
@@ -18,6 +19,7 @@ pub use figure::{
     ViewHint,
 };
 pub use manifold::{LocalName, RowManifold, Settings, Tags};
+pub use network::RowNetwork;
 pub use over_time::RowFrames;
 pub use property::{Measured, Property, splines};
 pub use row::{Ancestors, MethodName, Printed, Recorded, Row, RowData};

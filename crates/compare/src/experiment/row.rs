@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use msplines_biharmonic::Selection;
 use serde::{Deserialize, Serialize};
 
-use super::{RowFrames, RowManifold};
+use super::{RowFrames, RowManifold, RowNetwork};
 use crate::case::{
-    Amount, AmountError, Case, CaseCreases, Data, Input, Knots, Method, Task, Weights,
+    Amount, AmountError, Case, CaseCreases, ChartMethod, Data, Input, Knots, Method, Task, Weights,
 };
-use crate::generated::{ControlShape, GeneratedSurface};
+use crate::generated::{ChartFunction, ControlShape, GeneratedSurface, NetworkShape};
 
 /// One row of an experiment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,8 +36,10 @@ pub struct Row {
     /// What is fitted.
     #[serde(default)]
     pub data: RowData,
-    /// Options of a sparse manifold.
+    /// Options of a sparse manifold or a single chart.
     pub manifold: Option<RowManifold>,
+    /// Options of a surface over a curve network.
+    pub network: Option<RowNetwork>,
     /// Frames of an animation, in place of one surface.
     pub over_time: Option<RowFrames>,
     /// How knots are chosen; the method's default where absent.
@@ -107,6 +109,10 @@ pub enum MethodName {
     LsMesh,
     /// Sparse manifold.
     SparseManifold,
+    /// Surface over a curve network.
+    CurveNetwork,
+    /// The function of a single chart.
+    Chart,
 }
 
 impl MethodName {
@@ -117,7 +123,19 @@ impl MethodName {
             Self::Biharmonic => "biharmonic",
             Self::LsMesh => "ls-mesh",
             Self::SparseManifold => "sparse-manifold",
+            Self::CurveNetwork => "curve-network",
+            Self::Chart => "chart",
         }
+    }
+
+    /// Returns whether its surface is made of charts over polygons, and its input no surface of
+    /// triangles.
+    #[must_use]
+    pub fn has_charts(self) -> bool {
+        matches!(
+            self,
+            Self::SparseManifold | Self::CurveNetwork | Self::Chart
+        )
     }
 
     /// Returns what tables and legends for people say.
@@ -127,6 +145,8 @@ impl MethodName {
             Self::Biharmonic => "biharmonic B-spline",
             Self::LsMesh => "least-squares mesh",
             Self::SparseManifold => "sparse manifold",
+            Self::CurveNetwork => "surface over curves",
+            Self::Chart => "single chart",
         }
     }
 }
@@ -212,14 +232,18 @@ impl Row {
 
     /// Returns what is wrong with the fields that say how many knots there are.
     pub(super) fn knots_problem(&self) -> Option<String> {
-        let takes_places = self.method == MethodName::Biharmonic;
-        if self.method == MethodName::SparseManifold {
-            let given = self.knots.is_some() || self.knots_from.is_some();
-            return given.then(|| "a sparse manifold has no knots; leave them out".to_owned());
+        if let Some(problem) = self.options_problem() {
+            return Some(problem.to_owned());
         }
-        if self.manifold.is_some() {
-            return Some("`manifold` goes with sparse manifolds; leave it out".to_owned());
-        }
+        let takes_places = match self.method {
+            MethodName::Biharmonic => true,
+            MethodName::LsMesh => false,
+            MethodName::SparseManifold | MethodName::CurveNetwork | MethodName::Chart => {
+                let given = self.knots.is_some() || self.knots_from.is_some();
+                let title = self.method.title();
+                return given.then(|| format!("a {title} has no knots; leave them out"));
+            }
+        };
         match (&self.knots, &self.knots_from) {
             (Some(_), Some(_)) | (None, None) => {
                 Some("give either `knots` or `knots_from`".to_owned())
@@ -237,6 +261,18 @@ impl Row {
         }
     }
 
+    /// Returns which options belong to another method.
+    fn options_problem(&self) -> Option<&'static str> {
+        let charts = matches!(self.method, MethodName::SparseManifold | MethodName::Chart);
+        if self.manifold.is_some() && !charts {
+            return Some("`manifold` goes with sparse manifolds and charts; leave it out");
+        }
+        if self.network.is_some() && self.method != MethodName::CurveNetwork {
+            return Some("`network` goes with surfaces over curves; leave it out");
+        }
+        None
+    }
+
     /// Returns whether the input is a control mesh, and not a surface of triangles.
     #[must_use]
     pub fn takes_control_mesh(&self) -> bool {
@@ -249,6 +285,14 @@ impl Row {
     /// # Errors
     /// A name that nothing has, and what there is.
     pub fn generated(&self, name: &str) -> Result<Input, String> {
+        if self.method == MethodName::CurveNetwork {
+            let network = name.parse::<NetworkShape>().map_err(|e| e.to_string())?;
+            return Ok(Input::Network(network));
+        }
+        if self.method == MethodName::Chart {
+            let chart = name.parse::<ChartFunction>().map_err(|e| e.to_string())?;
+            return Ok(Input::Chart(chart));
+        }
         if self.takes_control_mesh() {
             let shape = name.parse::<ControlShape>().map_err(|e| e.to_string())?;
             return Ok(Input::Control(shape));
@@ -307,6 +351,14 @@ impl Row {
             (MethodName::SparseManifold, _) => {
                 let options = self.manifold.clone().unwrap_or_default();
                 Method::SparseManifold(Box::new(options.method()))
+            }
+            (MethodName::Chart, _) => {
+                let options = self.manifold.clone().unwrap_or_default();
+                Method::Chart(ChartMethod::new(options.method().options.local))
+            }
+            (MethodName::CurveNetwork, _) => {
+                let options = self.network.clone().unwrap_or_default();
+                Method::CurveNetwork(Box::new(options.method()))
             }
         };
         if let Method::Biharmonic(method) = &mut method {

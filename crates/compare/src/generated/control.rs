@@ -42,6 +42,8 @@ enum Word {
     Jitter(u64),
     /// All edges of the shape at which it bends are creases.
     Edges,
+    /// The edges between vertices of valence three are creases.
+    Rim,
     /// The edges around the faces at the top are creases.
     Top,
     /// Two edges in a line are a crease.
@@ -112,6 +114,11 @@ fn tags(mesh: &PolygonMesh, words: &[Word]) -> Vec<CreaseTag> {
         let faces = [h, topology.twin(h)].map(|h| topology.face(h));
         let bends = normal(faces[0]).dot(&normal(faces[1])) < SHARP;
         creased[edge as usize] = (words.contains(&Word::Edges) && bends)
+            || (words.contains(&Word::Rim)
+                && topology
+                    .edge_vertices(edge)
+                    .iter()
+                    .all(|&v| topology.valence(v) == 3))
             || (words.contains(&Word::Top) && on_top(faces[0]) != on_top(faces[1]));
     }
     if words.contains(&Word::Dart) {
@@ -181,7 +188,7 @@ impl TryFrom<String> for ControlShape {
 /// No control mesh has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no control mesh `{name}`; give box-AxBxC, slab-N, trapezohedron-N or patch-N, and then, each after a +, any of bump (on a box), jitter-SEED, edges, top, dart and cusps"
+    "no control mesh `{name}`; give box-AxBxC, slab-N, trapezohedron-N or patch-N, and then, each after a +, any of bump (on a box), jitter-SEED, edges, rim, top, dart and cusps"
 )]
 pub struct UnknownShape {
     /// The name.
@@ -233,6 +240,7 @@ fn word(text: &str) -> Option<Word> {
     match text {
         "bump" => Some(Word::Bump),
         "edges" => Some(Word::Edges),
+        "rim" => Some(Word::Rim),
         "top" => Some(Word::Top),
         "dart" => Some(Word::Dart),
         "cusps" => Some(Word::Cusps),
@@ -270,6 +278,7 @@ mod tests {
     fn words_tag_what_they_say() {
         assert_eq!(shape("box-1x2x3+edges").1.len(), 24);
         assert_eq!(shape("box-1x2x3+top").1.len(), 6);
+        assert_eq!(shape("trapezohedron-10+rim").1.len(), 20);
         assert_eq!(shape("box-3x3x3+dart").1.len(), 2);
         let cusps = shape("box-2x2x2+cusps").1;
         assert_eq!(cusps.len(), 8);

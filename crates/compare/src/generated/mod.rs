@@ -1,7 +1,9 @@
 //! Surfaces and data made from formulas, so that everything runs without a single model file.
 
+mod chart;
 mod colours;
 mod control;
+mod network;
 
 use std::fmt;
 use std::str::FromStr;
@@ -12,8 +14,11 @@ use sha2::{Digest, Sha256};
 
 use crate::input::hexadecimal;
 
+pub use chart::{ChartFunction, UnknownFunction};
+pub(crate) use chart::{Height, Sampled, grid};
 pub use colours::{colour_image, colour_pattern};
 pub use control::{ControlShape, UnknownShape};
+pub use network::{NetworkShape, UnknownNetwork};
 
 /// About how many vertices each surface has.
 const VERTICES: usize = 20_000;

@@ -4,6 +4,7 @@
 //! loses nothing in a file. Knots and control vertices are listed, so that anyone can count them.
 
 mod biharmonic;
+mod chart;
 mod manifold;
 
 use std::io::Write;
@@ -19,6 +20,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{RunError, SplineFileError};
 
 pub use biharmonic::StoredBiharmonic;
+pub use chart::StoredLocal;
 pub use manifold::{StoredChart, StoredManifold, StoredPolygons};
 
 /// The schema of [`SplineFile`].
@@ -117,6 +119,8 @@ pub enum StoredSpline {
     },
     /// A sparse manifold.
     SparseManifold(StoredManifold),
+    /// The function of a single chart.
+    Chart(StoredLocal),
 }
 
 impl StoredSpline {
@@ -138,7 +142,7 @@ impl StoredSpline {
     pub(crate) fn biharmonic(&self, task: &'static str) -> Result<&StoredBiharmonic, RunError> {
         match self {
             Self::Biharmonic(stored) => Ok(stored),
-            Self::LsMesh { .. } | Self::SparseManifold(_) => Err(RunError::Task {
+            Self::LsMesh { .. } | Self::SparseManifold(_) | Self::Chart(_) => Err(RunError::Task {
                 task,
                 method: self.method(),
             }),
@@ -152,7 +156,7 @@ impl StoredSpline {
     pub(crate) fn manifold(&self, task: &'static str) -> Result<&StoredManifold, RunError> {
         match self {
             Self::SparseManifold(stored) => Ok(stored),
-            Self::Biharmonic(_) | Self::LsMesh { .. } => Err(RunError::Task {
+            Self::Biharmonic(_) | Self::LsMesh { .. } | Self::Chart(_) => Err(RunError::Task {
                 task,
                 method: self.method(),
             }),
@@ -166,6 +170,7 @@ impl StoredSpline {
             Self::Biharmonic(_) => "biharmonic",
             Self::LsMesh { .. } => "ls-mesh",
             Self::SparseManifold(_) => "sparse-manifold",
+            Self::Chart(_) => "chart",
         }
     }
 
@@ -176,6 +181,7 @@ impl StoredSpline {
             Self::Biharmonic(spline) => spline.dimension,
             Self::LsMesh { dimension, .. } => *dimension,
             Self::SparseManifold(_) => 3,
+            Self::Chart(_) => 1,
         }
     }
 
@@ -185,7 +191,7 @@ impl StoredSpline {
         match self {
             Self::Biharmonic(spline) => &spline.knots,
             Self::LsMesh { controls, .. } => controls,
-            Self::SparseManifold(_) => &[],
+            Self::SparseManifold(_) | Self::Chart(_) => &[],
         }
     }
 
@@ -197,7 +203,7 @@ impl StoredSpline {
     pub fn knot_places(&self, mesh: &TriangleMesh) -> Vec<Point3<f64>> {
         let added = match self {
             Self::Biharmonic(spline) => spline.added_points.as_slice(),
-            Self::LsMesh { .. } | Self::SparseManifold(_) => &[],
+            Self::LsMesh { .. } | Self::SparseManifold(_) | Self::Chart(_) => &[],
         };
         let place = |&knot: &u32| match mesh.positions().get(knot as usize) {
             Some(vertex) => *vertex,
@@ -253,7 +259,7 @@ impl StoredSpline {
                 }
                 Ok(spline.extension_by(scheme, rounds)?)
             }
-            Self::SparseManifold(_) => Err(SplineFileError::Polygons),
+            Self::SparseManifold(_) | Self::Chart(_) => Err(SplineFileError::Polygons),
             Self::LsMesh { .. } if rounds > 0 => Err(SplineFileError::VerticesOnly),
             Self::LsMesh {
                 dimension,

@@ -2,6 +2,7 @@
 
 mod charts;
 mod fits;
+mod locals;
 mod pursuits;
 mod sessions;
 

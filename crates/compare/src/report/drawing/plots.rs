@@ -85,6 +85,8 @@ fn series(rows: &[&RowReport], axes: [Axis; 2]) -> Vec<Line> {
         MethodName::Biharmonic,
         MethodName::LsMesh,
         MethodName::SparseManifold,
+        MethodName::CurveNetwork,
+        MethodName::Chart,
     ] {
         for row in rows.iter().filter(|row| row.row.method == method) {
             let record = row.result.record();

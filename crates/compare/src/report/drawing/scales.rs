@@ -103,19 +103,20 @@ fn scale<'a>(measure: &Measure, subjects: impl Iterator<Item = &'a Subject<'a>>)
                 },
             })
         }
-        Measure::Field { name, colours } => {
-            let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];
+        Measure::Field {
+            name,
+            colours,
+            span,
+        } => {
+            let mut sorted: Vec<f64> = Vec::new();
             for subject in subjects {
-                let Values::Scalars { values, .. } = &subject.values else {
-                    continue;
-                };
-                for &value in values.iter().filter(|value| value.is_finite()) {
-                    low = low.min(value);
-                    high = high.max(value);
+                if let Values::Scalars { values, .. } = &subject.values {
+                    sorted.extend(values.iter().filter(|value| value.is_finite()));
                 }
             }
+            let [low, high] = middle(&mut sorted, *span)?;
             let furthest = high.max(-low);
-            (low <= high).then(|| Scale {
+            Some(Scale {
                 colours: match colours {
                     FieldColours::Diverging => {
                         ColourScale::linear(ColourMap::Diverging, [-furthest, furthest])
@@ -126,6 +127,15 @@ fn scale<'a>(measure: &Measure, subjects: impl Iterator<Item = &'a Subject<'a>>)
             })
         }
     }
+}
+
+/// Returns the ends of the middle share `span` of numbers.
+fn middle(numbers: &mut [f64], span: f64) -> Option<[f64; 2]> {
+    numbers.sort_by(f64::total_cmp);
+    let last = numbers.len().checked_sub(1)?;
+    let left_out = 0.5 * (1.0 - span) * last as f64;
+    let cut = (left_out.round() as usize).min(last / 2);
+    Some([numbers[cut], numbers[last - cut]])
 }
 
 impl Scale {

@@ -120,12 +120,16 @@ impl Source {
     ) -> Result<Self, String> {
         let sources = report.sources.as_ref().ok_or_else(missing)?;
         let Sources { input, files, view } = sources;
-        let has_charts = report.row.method == MethodName::SparseManifold;
+        let has_charts = report.row.method.has_charts();
+        let has_own_input = has_charts
+            && report
+                .row
+                .manifold
+                .as_ref()
+                .is_none_or(|m| m.scan.is_none());
         let companions = has_charts.then(|| Companions::load(files)).transpose()?;
         let domain = match &companions {
-            Some(companions) if report.row.takes_control_mesh() => {
-                Arc::new(Domain::of_control(companions, report)?)
-            }
+            Some(companions) if has_own_input => Arc::new(Domain::of_control(companions, report)?),
             _ => domains.load(input)?,
         };
         let (frame, spline, attributes) =
@@ -137,10 +141,10 @@ impl Source {
                     (None, spline, attributes)
                 }
             };
-        let knots = if has_charts {
-            Vec::new()
-        } else {
-            read_points(&files.join(ROW_KNOTS)).map_err(|e| e.to_string())?
+        let knots = read_points(&files.join(ROW_KNOTS));
+        let knots = match report.row.method {
+            MethodName::SparseManifold | MethodName::CurveNetwork => Vec::new(),
+            _ => knots.map_err(|e| e.to_string())?,
         };
         Ok(Self {
             fitted: match &frame {

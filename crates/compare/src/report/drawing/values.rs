@@ -36,14 +36,19 @@ pub(super) enum Values {
 }
 
 /// What numbers measure: those that measure the same are painted by the same scale.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Measure {
     /// Errors in percent of the diagonal.
     Error,
     /// Errors of colours in percent of the range of a channel.
     ColourError,
     /// A field by its name.
-    Field { name: String, colours: FieldColours },
+    Field {
+        name: String,
+        colours: FieldColours,
+        /// Share of the vertices whose numbers the scale spans.
+        span: f64,
+    },
 }
 
 /// A mesh whose every face lies in one cell.
@@ -93,6 +98,7 @@ fn field(panel: &Panel, source: &Source) -> Result<Values, String> {
             let measure = Measure::Field {
                 name: name.to_owned(),
                 colours: how,
+                span: panel.span.unwrap_or(1.0),
             };
             Ok(Values::Scalars { values, measure })
         }

@@ -56,11 +56,9 @@ pub(super) fn load(
             let sharpness = file_sharpness(&mesh, path, method)?;
             (mesh, sharpness, file, sha256)
         }
-        Input::Surface(surface) => {
-            let reason = "a surface of triangles is no control mesh; give one of quads, or the \
-                          number of vertices of its control mesh";
-            return Err(refused(&surface.to_string(), reason.to_owned()));
-        }
+        Input::Surface(surface) => return Err(no_control_mesh(surface)),
+        Input::Network(network) => return Err(no_control_mesh(network)),
+        Input::Chart(chart) => return Err(no_control_mesh(chart)),
     };
     clock.leave();
     let facts = facts(&mesh, file.clone(), sha256);
@@ -80,6 +78,12 @@ pub(super) fn load(
         facts,
         warnings: Vec::new(),
     })
+}
+
+fn no_control_mesh(name: &dyn std::fmt::Display) -> RunError {
+    let reason = "this is no control mesh; give one of quads, or the number of vertices of the \
+                  control mesh of a scan";
+    refused(&name.to_string(), reason.to_owned())
 }
 
 fn refused(file: &str, reason: String) -> RunError {

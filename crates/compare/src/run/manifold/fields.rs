@@ -1,7 +1,7 @@
 //! What pictures show of a manifold beside the surface itself.
 
 use msplines_common::Point3;
-use msplines_common::mesh::polygon::PolygonMesh;
+use msplines_common::mesh::polygon::{PolygonMesh, PolygonTopology};
 use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_sparse_manifold::{SparseManifold, Tessellation};
 
@@ -85,7 +85,9 @@ pub(crate) fn companions(
 ) -> Vec<Companion> {
     let control = &problem.control;
     let mut companions = Vec::new();
-    let [edges, creases] = edge_lines(control, method.cells.max(1));
+    let topology = control.mesh.topology();
+    let is_sharp = |e| !topology.is_boundary_edge(e) && control.sharpness.edge(e) > 0.0;
+    let [edges, creases] = edge_lines(topology, is_sharp, method.cells.max(1));
     companions.push(Companion {
         name: "spline",
         mesh: None,
@@ -93,7 +95,7 @@ pub(crate) fn companions(
         creases: creases.clone(),
     });
     if let Some(mesh) = quads_in_triangles(&control.mesh) {
-        let [edges, creases] = edge_lines(control, 1);
+        let [edges, creases] = edge_lines(topology, is_sharp, 1);
         companions.push(Companion {
             name: "control",
             mesh: Some(mesh),
@@ -136,10 +138,13 @@ fn quads_in_triangles(mesh: &PolygonMesh) -> Option<TriangleMesh> {
     TriangleMesh::build(mesh.positions().to_vec(), halves.collect()).ok()
 }
 
-/// Returns the edges of the control mesh on its tessellation of so many cells, and those of them that
-/// are sharp.
-pub(crate) fn edge_lines(control: &Control, cells: u32) -> [Vec<[u32; 2]>; 2] {
-    let topology = control.mesh.topology();
+/// Returns the edges of a mesh of quads on its tessellation of so many cells, and those of them that are
+/// sharp.
+pub(super) fn edge_lines(
+    topology: &PolygonTopology,
+    is_sharp: impl Fn(u32) -> bool,
+    cells: u32,
+) -> [Vec<[u32; 2]>; 2] {
     let (mut edges, mut creases) = (Vec::new(), Vec::new());
     let first = topology.vertex_count() as u32;
     for edge in 0..topology.edge_count() as u32 {
@@ -151,8 +156,7 @@ pub(crate) fn edge_lines(control: &Control, cells: u32) -> [Vec<[u32; 2]>; 2] {
             step => first + edge * (cells - 1) + step - 1,
         };
         let pieces = (0..cells).map(|step| [at(step), at(step + 1)]);
-        let inner = !topology.is_boundary_edge(edge);
-        if inner && control.sharpness.edge(edge) > 0.0 {
+        if is_sharp(edge) {
             creases.extend(pieces.clone());
         }
         edges.extend(pieces);

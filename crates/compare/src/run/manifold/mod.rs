@@ -1,5 +1,6 @@
 //! Runs of sparse manifolds: from a control mesh or a scan to charts, and what they are compared with.
 
+mod chart;
 mod control;
 mod fields;
 mod network;
@@ -56,6 +57,7 @@ pub(super) fn asked(
     match &case.method {
         Method::SparseManifold(method) => Some(run(case, method, clock, observer)),
         Method::CurveNetwork(method) => Some(network::run(case, method, clock, observer)),
+        Method::Chart(method) => Some(chart::run(case, method, clock, observer)),
         Method::Biharmonic(_) | Method::LsMesh { .. } => None,
     }
 }

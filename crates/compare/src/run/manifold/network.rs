@@ -1,23 +1,45 @@
 //! Runs of surfaces over curve networks.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
+use msplines_common::Vector3;
+use msplines_common::mesh::curves::CurveNetwork;
+use msplines_common::mesh::polygon::Rules;
+use msplines_common::mesh::{TriangleMesh, VertexAttribute};
+use msplines_common::progress::Observer;
 use msplines_io::{read_curves, sha256_file};
-use msplines_sparse_manifold::Tessellator;
-use msplines_sparse_manifold::network::{NetworkFit, surface_network};
+use msplines_sparse_manifold::network::{NetworkDomain, NetworkFit, surface_network};
+use msplines_sparse_manifold::{LimitSurface, SparseManifold, Tessellation, Tessellator};
 use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
 
-use super::{check, facts, triangles};
+use super::fields::edge_lines;
+use super::{Companion, check, facts, triangles};
 use crate::case::{Case, CurveNetworkMethod, Input};
 use crate::clock::{PhaseClock, process_usage};
 use crate::error::RunError;
 use crate::fit::following;
-use crate::input::{file_name, unreadable};
+use crate::input::{hexadecimal, input_name, unreadable};
 use crate::output::write_outputs;
 use crate::record::{InputFacts, InputKind, RUN_SCHEMA, Record, Seconds, Tool};
 use crate::run::{RunOutput, check_finite, enter};
 use crate::spline_file::{SplineFile, StoredDomain, StoredManifold, StoredPolygons, StoredSpline};
-use msplines_common::progress::Observer;
+
+/// Curves are drawn as bars of this radius, as a fraction of the diagonal.
+const BAR: f64 = 2.5e-3;
+
+/// Points of the surface are compared with the true one on so many cells along each side of a face.
+const COMPARED_CELLS: u32 = 8;
+
+/// A network with where it comes from.
+struct Loaded {
+    network: CurveNetwork,
+    name: String,
+    sha256: String,
+    /// The surface that its curves lie on, where that is known.
+    truth: Option<LimitSurface>,
+}
 
 /// Runs a case whose method is a surface over a curve network.
 pub(in crate::run) fn run(
@@ -28,23 +50,11 @@ pub(in crate::run) fn run(
 ) -> Result<RunOutput, RunError> {
     check(case)?;
     clock.enter("read");
-    let Input::File { path, .. } = &case.input else {
-        return Err(RunError::Task {
-            task: "fit of a generated surface",
-            method: case.method.name(),
-        });
-    };
-    let file = file_name(path);
-    let refused = |reason: String| RunError::Input {
-        file: file.clone(),
-        reason,
-    };
-    let sha256 = sha256_file(path).map_err(|e| refused(unreadable(&e)))?;
-    let network = read_curves(path).map_err(|e| refused(e.to_string()))?;
+    let loaded = load(case)?;
     enter("domain", clock, observer);
     let fit = {
         let mut timed = following(&["fit"], clock, observer);
-        surface_network(&network, &method.options, &mut timed)?
+        surface_network(&loaded.network, &method.options, &mut timed)?
     };
     let mesh = fit.spline.mesh();
     let mut options = json!(method.options);
@@ -56,7 +66,8 @@ pub(in crate::run) fn run(
     let spline = SplineFile::new(domain, options, stored);
     let restored = spline.spline.manifold("evaluation")?.restore(mesh)?;
     enter("evaluate", clock, observer);
-    let surface = Tessellator::build(&restored, method.cells.max(1)).surface(&restored);
+    let cells = method.cells.max(1);
+    let surface = Tessellator::build(&restored, cells).surface(&restored);
     let values: Vec<f64> = surface
         .positions
         .iter()
@@ -64,23 +75,179 @@ pub(in crate::run) fn run(
         .collect();
     check_finite(&values, 3)?;
     let tessellated = triangles(&surface)?;
+    enter("measure", clock, observer);
+    let facts = facts(mesh, loaded.name.clone(), loaded.sha256.clone());
+    let mut record = record(case, &fit, &spline, facts);
+    record.checks.extend(shape_checks(&loaded, &fit, &restored));
+    let fields = fields(&restored, &fit.domain, &surface)?;
     enter("write", clock, observer);
     let names = ["x", "y", "z"].map(str::to_owned).to_vec();
-    write_outputs(&case.outputs, &spline, &tessellated, &values, &names, &[])?;
+    write_outputs(
+        &case.outputs,
+        &spline,
+        &tessellated,
+        &values,
+        &names,
+        &fields,
+    )?;
     clock.leave();
-    let mut record = record(case, &fit, &spline, facts(mesh, file, sha256));
     record.seconds = clock.read();
     record.peak_rss_bytes = process_usage().peak_rss_bytes;
     Ok(RunOutput {
         record,
-        companions: Vec::new(),
+        companions: companions(&loaded, &fit.domain, cells),
         spline,
         mesh: tessellated,
         values,
         names,
-        fields: Vec::new(),
+        fields,
         knots: Vec::new(),
         frames: Vec::new(),
+    })
+}
+
+/// Returns how far the surface is from the one that its curves lie on.
+fn shape_checks(
+    loaded: &Loaded,
+    fit: &NetworkFit,
+    surface: &SparseManifold,
+) -> BTreeMap<String, Value> {
+    let Some(truth) = &loaded.truth else {
+        return BTreeMap::new();
+    };
+    let error = truth.error(surface, COMPARED_CELLS);
+    let unit = fit.report.unit;
+    let found = [
+        ("surface_rms", error.rms / unit),
+        ("surface_max", error.max / unit),
+        ("normals_mean_degrees", error.normals_degrees),
+    ];
+    let named = found.map(|(name, value)| (name.to_owned(), json!(value)));
+    named.into_iter().collect()
+}
+
+fn load(case: &Case) -> Result<Loaded, RunError> {
+    let name = input_name(&case.input);
+    let refused = |reason: String| RunError::Input {
+        file: name.clone(),
+        reason,
+    };
+    match &case.input {
+        Input::File { path, .. } => {
+            let sha256 = sha256_file(path).map_err(|e| refused(unreadable(&e)))?;
+            let network = read_curves(path).map_err(|e| refused(e.to_string()))?;
+            Ok(Loaded {
+                network,
+                name,
+                sha256,
+                truth: None,
+            })
+        }
+        Input::Network(shape) => {
+            let truth = shape.limit_of().and_then(|(mesh, sharpness)| {
+                LimitSurface::build(&mesh, &sharpness, Rules::default())
+            });
+            let sha256 = hexadecimal(&Sha256::digest(name.as_bytes()));
+            Ok(Loaded {
+                network: shape.network(case.seed),
+                name,
+                sha256,
+                truth,
+            })
+        }
+        Input::Surface(_) | Input::Control(_) | Input::Chart(_) => {
+            Err(refused("this is no curve network".to_owned()))
+        }
+    }
+}
+
+/// Returns curvatures, and the cycle around every point.
+fn fields(
+    spline: &SparseManifold,
+    domain: &NetworkDomain,
+    surface: &Tessellation,
+) -> Result<Vec<VertexAttribute>, RunError> {
+    let geometry = spline.geometry(&surface.places)?;
+    let cycle = |face: u32| f64::from(domain.cycles[face as usize]);
+    let column = |name: &str, values: Vec<f64>| VertexAttribute {
+        name: name.to_owned(),
+        values,
+    };
+    Ok(vec![
+        column(
+            "mean_curvature",
+            geometry.iter().map(|g| g.mean_curvature).collect(),
+        ),
+        column(
+            "gaussian_curvature",
+            geometry.iter().map(|g| g.gaussian_curvature).collect(),
+        ),
+        column(
+            "patch",
+            surface.places.iter().map(|p| cycle(p.face)).collect(),
+        ),
+    ])
+}
+
+/// Returns the curves, and the surface that they lie on where it is known.
+fn companions(loaded: &Loaded, domain: &NetworkDomain, cells: u32) -> Vec<Companion> {
+    let is_crease = |edge: u32| domain.curves[edge as usize].is_some_and(|curve| curve.crease);
+    let [edges, creases] = edge_lines(domain.mesh.topology(), is_crease, cells);
+    let mut companions = vec![Companion {
+        name: "spline",
+        mesh: None,
+        edges,
+        creases,
+    }];
+    companions.extend(bars(&loaded.network));
+    if let Some(truth) = &loaded.truth {
+        companions.push(Companion {
+            name: "target",
+            mesh: Some(truth.mesh().clone()),
+            edges: Vec::new(),
+            creases: Vec::new(),
+        });
+    }
+    companions
+}
+
+/// Returns the segments of all curves as thin bars, those of creases with red lines along them.
+fn bars(network: &CurveNetwork) -> Option<Companion> {
+    let radius = BAR * network.diagonal();
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    let mut creases = Vec::new();
+    for curve in network.curves() {
+        for (ends, &is_crease) in curve.points.windows(2).zip(&curve.creases) {
+            let [a, b] = [ends[0], ends[1]].map(|p| network.points()[p as usize]);
+            let along = b - a;
+            let axis = along.map(f64::abs).imin();
+            let side = along.cross(&Vector3::ith(axis, 1.0)).normalize() * radius;
+            let up = along.cross(&side).normalize() * radius;
+            let first = positions.len() as u32;
+            for end in [a, b] {
+                positions.extend([0.0, 1.0, 2.0].map(|corner| {
+                    let (sin, cos) = f64::sin_cos(corner * TAU / 3.0);
+                    end + side * cos + up * sin
+                }));
+            }
+            let corner = |end: u32, i: u32| first + 3 * end + i % 3;
+            for i in 0..3 {
+                let [p, q] = [corner(0, i), corner(0, i + 1)];
+                let [r, s] = [corner(1, i + 1), corner(1, i)];
+                triangles.extend([[p, q, r], [p, r, s]]);
+                if is_crease {
+                    creases.push([p, s]);
+                }
+            }
+            triangles.push([corner(0, 2), corner(0, 1), corner(0, 0)]);
+            triangles.push([corner(1, 0), corner(1, 1), corner(1, 2)]);
+        }
+    }
+    Some(Companion {
+        name: "control",
+        mesh: Some(TriangleMesh::build(positions, triangles).ok()?),
+        edges: Vec::new(),
+        creases,
     })
 }
 
