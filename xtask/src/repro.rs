@@ -138,8 +138,12 @@ fn is_complete(report: &Report) -> bool {
     rows.all(|row| row.result.record().is_some())
 }
 
-/// The figure that the README shows; drawn from generated surfaces, as all that is committed.
-const SHOWN: &str = "hou2017-generated-surfaces.png";
+/// The figures that the README shows, with their papers and items; drawn from generated surfaces, as all
+/// that is committed.
+const SHOWN: [(&str, &str, &str); 2] = [
+    ("hou2017", "generated", "hou2017-generated-surfaces.png"),
+    ("wang2016", "figure5", "wang2016-figure5-figure5.png"),
+];
 /// Side of its pictures in pixels.
 const SHOWN_PICTURE: usize = 360;
 
@@ -155,9 +159,12 @@ fn write_docs(report: &Report, root: &Path) -> Result<Vec<PathBuf>, String> {
         views: Views::Still,
     };
     let mut generated = report.clone();
-    generated.items.retain(|item| item.item == "generated");
+    let is_shown = |paper: &str, item: &str| SHOWN.iter().any(|s| (s.0, s.1) == (paper, item));
+    generated
+        .items
+        .retain(|item| is_shown(&item.paper, &item.item));
     for (name, png) in draw(&generated, options).sheets(&generated) {
-        if name == SHOWN {
+        if SHOWN.iter().any(|shown| shown.2 == name) {
             put(root.join("docs/pictures").join(name), &png)?;
         }
     }
