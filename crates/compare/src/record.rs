@@ -17,7 +17,7 @@ pub struct Record {
     pub schema: String,
     /// The program that ran.
     pub tool: Tool,
-    /// `biharmonic`, `ls-mesh` or `sparse-manifold`.
+    /// `biharmonic`, `ls-mesh`, `sparse-manifold`, `curve-network` or `chart`.
     pub method: String,
     /// Facts of the input mesh.
     pub input: InputFacts,
@@ -66,6 +66,34 @@ const NUMBERS: [&str; 12] = [
 ];
 
 impl Record {
+    /// Returns the record of a run by this program that nothing is known of yet but what it was given.
+    pub(crate) fn start(
+        method: &'static str,
+        input: InputFacts,
+        options: serde_json::Value,
+        seed: u64,
+    ) -> Self {
+        Self {
+            schema: RUN_SCHEMA.to_owned(),
+            tool: Tool::this(),
+            method: method.to_owned(),
+            input,
+            options,
+            outcome: Outcome::Converged,
+            dofs: 0,
+            domain_bytes: 0,
+            error: None,
+            error_unit_cube: None,
+            distance: None,
+            checks: BTreeMap::new(),
+            seconds: Seconds::default(),
+            peak_rss_bytes: 0,
+            threads: rayon::current_num_threads(),
+            seed,
+            warnings: Vec::new(),
+        }
+    }
+
     /// Returns the number at a dotted path, such as `error.max` or `checks.reference_rms`; `None`
     /// where this record has none there.
     #[must_use]

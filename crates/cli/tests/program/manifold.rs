@@ -146,6 +146,11 @@ fn bad_control_meshes_and_options_are_refused_with_their_place() {
         assert!(ran.err.contains(message), "{arguments}: {}", ran.err);
         assert!(!workbench.path("no.ply").exists(), "{arguments}");
     }
+}
+
+#[test]
+fn faces_that_are_no_manifold_of_quads_are_refused_with_their_place() {
+    let workbench = Workbench::new();
     let faces = [
         (
             "triangle.obj",

@@ -24,7 +24,7 @@ use crate::fit::{Fitted, fit};
 use crate::input::{FitData, LoadedInput, fit_data, load, load_domain};
 use crate::measure::{self, Measured};
 use crate::output::{check_outputs, write_outputs};
-use crate::record::{RUN_SCHEMA, Record, Tool};
+use crate::record::Record;
 use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
 
 pub use edits::Shift;
@@ -345,12 +345,8 @@ fn record(
 ) -> Record {
     let stored = &spline.spline;
     let mesh = &input.mesh;
+    let options = spline.options.clone();
     Record {
-        schema: RUN_SCHEMA.to_owned(),
-        tool: Tool::this(),
-        method: stored.method().to_owned(),
-        input: input.facts.clone(),
-        options: spline.options.clone(),
         outcome: summary.outcome,
         dofs: (stored.knots().len() * stored.dimension()) as u64,
         domain_bytes: (24 * mesh.vertex_count() + 12 * mesh.face_count()) as u64,
@@ -360,9 +356,8 @@ fn record(
         checks: summary.checks,
         seconds: clock.read(),
         peak_rss_bytes: process_usage().peak_rss_bytes,
-        threads: rayon::current_num_threads(),
-        seed: summary.seed,
         warnings: input.warnings.clone(),
+        ..Record::start(stored.method(), input.facts.clone(), options, summary.seed)
     }
 }
 

@@ -6,7 +6,7 @@ use msplines_common::Point3;
 use msplines_common::mesh::polygon::PolygonMesh;
 use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_common::metrics::{VertexError, vertex_error};
-use msplines_common::progress::{Observer, Outcome};
+use msplines_common::progress::Observer;
 use msplines_sparse_manifold::{ChartPoint, Local, LocalFunction, Star, fit_local};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -18,7 +18,7 @@ use crate::error::RunError;
 use crate::generated::{ChartFunction, Height, Sampled, grid};
 use crate::input::hexadecimal;
 use crate::output::write_outputs;
-use crate::record::{InputFacts, InputKind, RUN_SCHEMA, Record, Seconds, Tool};
+use crate::record::{InputFacts, InputKind, Record};
 use crate::run::{RunOutput, check_finite, enter};
 use crate::spline_file::{SplineFile, StoredDomain, StoredLocal, StoredPolygons, StoredSpline};
 
@@ -71,10 +71,9 @@ pub(in crate::run) fn run(
         checks.insert(name.to_owned(), value);
     }
     let mesh = domain.raised(&dense.found);
-    let values = dense.found.clone();
+    let (values, fields) = (dense.found, dense.fields);
     let names = vec!["height".to_owned()];
     enter("write", clock, observer);
-    let fields = dense.fields;
     write_outputs(&case.outputs, &spline, &mesh, &values, &names, &fields)?;
     clock.leave();
     let record = Record {
@@ -159,33 +158,19 @@ fn checks(sampled: &Sampled, function: &LocalFunction) -> BTreeMap<String, Value
 fn record(case: &Case, chart: &ChartFunction, spline: &SplineFile) -> Record {
     let sha256 = hexadecimal(&Sha256::digest(chart.to_string().as_bytes()));
     let valence = u64::from(chart.star().valence);
+    let input = InputFacts {
+        file: chart.to_string(),
+        sha256,
+        kind: InputKind::Polygons,
+        vertices: 2 * valence + 1,
+        faces: valence,
+        cells: 0,
+        genus: Some(0),
+        boundary_loops: 1,
+    };
     Record {
-        schema: RUN_SCHEMA.to_owned(),
-        tool: Tool::this(),
-        method: case.method.name().to_owned(),
-        input: InputFacts {
-            file: chart.to_string(),
-            sha256,
-            kind: InputKind::Polygons,
-            vertices: 2 * valence + 1,
-            faces: valence,
-            cells: 0,
-            genus: Some(0),
-            boundary_loops: 1,
-        },
-        options: spline.options.clone(),
-        outcome: Outcome::Converged,
-        dofs: 0,
         domain_bytes: 4,
-        error: None,
-        error_unit_cube: None,
-        distance: None,
-        checks: BTreeMap::new(),
-        seconds: Seconds::default(),
-        peak_rss_bytes: 0,
-        threads: rayon::current_num_threads(),
-        seed: case.seed,
-        warnings: Vec::new(),
+        ..Record::start(case.method.name(), input, spline.options.clone(), case.seed)
     }
 }
 

@@ -23,7 +23,7 @@ use crate::error::RunError;
 use crate::fit::following;
 use crate::input::file_name;
 use crate::output::write_outputs;
-use crate::record::{InputFacts, RUN_SCHEMA, Record, Seconds, Tool};
+use crate::record::{InputFacts, Record};
 use crate::spline_file::{SplineFile, StoredDomain, StoredManifold, StoredPolygons, StoredSpline};
 use control::Control;
 pub(crate) use control::creases_file;
@@ -89,11 +89,7 @@ fn run(
         .restore(&control.mesh)?;
     enter("evaluate", clock, observer);
     let surface = Tessellator::build(&stored, method.cells.max(1)).surface(&stored);
-    let values: Vec<f64> = surface
-        .positions
-        .iter()
-        .flat_map(|p| [p.x, p.y, p.z])
-        .collect();
+    let values = coordinates(&surface.positions);
     check_finite(&values, 3)?;
     let mesh = triangles(&surface)?;
     enter("measure", clock, observer);
@@ -162,11 +158,7 @@ pub(super) fn evaluate(
     enter("evaluate", clock, observer);
     let stored = spline.spline.manifold("evaluation")?.restore(&mesh)?;
     let surface = Tessellator::build(&stored, 1 << evaluation.subdivide).surface(&stored);
-    let values: Vec<f64> = surface
-        .positions
-        .iter()
-        .flat_map(|p| [p.x, p.y, p.z])
-        .collect();
+    let values = coordinates(&surface.positions);
     check_finite(&values, 3)?;
     let triangles = triangles(&surface)?;
     enter("write", clock, observer);
@@ -243,14 +235,11 @@ impl Problem {
             None => self.control.limit_points(),
             Some(scan) => scan::closest(scan, &SurfaceTree::build(scan), &found),
         };
-        let flat = |points: &[Point3<f64>]| -> Vec<f64> {
-            points.iter().flat_map(|p| [p.x, p.y, p.z]).collect()
-        };
         let scale = match &self.scan {
             Some(scan) => scan.diagonal(),
             None => mesh.diagonal(),
         };
-        let error = vertex_error(&flat(&found), &flat(&target), 3, scale);
+        let error = vertex_error(&coordinates(&found), &coordinates(&target), 3, scale);
         let error = error.map_err(|e| RunError::Input {
             file: self.facts.file.clone(),
             reason: e.to_string(),
@@ -288,6 +277,11 @@ fn check(case: &Case) -> Result<(), RunError> {
         return refused("cover or refinement of its input");
     }
     Ok(())
+}
+
+/// Returns points as `[point][coordinate]`.
+fn coordinates(points: &[Point3<f64>]) -> Vec<f64> {
+    points.iter().flat_map(|p| [p.x, p.y, p.z]).collect()
 }
 
 fn triangles(surface: &Tessellation) -> Result<TriangleMesh, RunError> {
@@ -359,24 +353,12 @@ fn record(
 ) -> Record {
     let mesh = stored.mesh();
     let corners = mesh.topology().half_edge_count();
+    let options = spline.options.clone();
     Record {
-        schema: RUN_SCHEMA.to_owned(),
-        tool: Tool::this(),
-        method: spline.spline.method().to_owned(),
-        input: facts.clone(),
-        options: spline.options.clone(),
         outcome: report.outcome,
         dofs: stored.coefficient_count() as u64,
         domain_bytes: (24 * mesh.vertex_count() + 4 * corners) as u64,
-        error: None,
-        error_unit_cube: None,
-        distance: None,
-        checks: BTreeMap::new(),
-        seconds: Seconds::default(),
-        peak_rss_bytes: 0,
-        threads: rayon::current_num_threads(),
-        seed,
-        warnings: Vec::new(),
+        ..Record::start(spline.spline.method(), facts.clone(), options, seed)
     }
 }
 

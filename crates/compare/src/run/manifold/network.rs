@@ -15,14 +15,14 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use super::fields::edge_lines;
-use super::{Companion, check, facts, triangles};
+use super::{Companion, check, coordinates, facts, triangles};
 use crate::case::{Case, CurveNetworkMethod, Input};
 use crate::clock::{PhaseClock, process_usage};
 use crate::error::RunError;
 use crate::fit::following;
 use crate::input::{hexadecimal, input_name, unreadable};
 use crate::output::write_outputs;
-use crate::record::{InputFacts, InputKind, RUN_SCHEMA, Record, Seconds, Tool};
+use crate::record::{InputFacts, InputKind, Record};
 use crate::run::{RunOutput, check_finite, enter};
 use crate::spline_file::{SplineFile, StoredDomain, StoredManifold, StoredPolygons, StoredSpline};
 
@@ -68,11 +68,7 @@ pub(in crate::run) fn run(
     enter("evaluate", clock, observer);
     let cells = method.cells.max(1);
     let surface = Tessellator::build(&restored, cells).surface(&restored);
-    let values: Vec<f64> = surface
-        .positions
-        .iter()
-        .flat_map(|p| [p.x, p.y, p.z])
-        .collect();
+    let values = coordinates(&surface.positions);
     check_finite(&values, 3)?;
     let tessellated = triangles(&surface)?;
     enter("measure", clock, observer);
@@ -255,27 +251,17 @@ fn record(case: &Case, fit: &NetworkFit, spline: &SplineFile, facts: InputFacts)
     let mesh = fit.spline.mesh();
     let mut warnings = fit.cycles.report.warnings.clone();
     warnings.extend(fit.report.warnings.iter().cloned());
+    let input = InputFacts {
+        kind: InputKind::Curves,
+        ..facts
+    };
     Record {
-        schema: RUN_SCHEMA.to_owned(),
-        tool: Tool::this(),
-        method: case.method.name().to_owned(),
-        input: InputFacts {
-            kind: InputKind::Curves,
-            ..facts
-        },
-        options: spline.options.clone(),
         outcome: fit.report.outcome,
         dofs: fit.spline.coefficient_count() as u64,
         domain_bytes: (24 * mesh.vertex_count() + 4 * mesh.topology().half_edge_count()) as u64,
-        error: None,
-        error_unit_cube: None,
-        distance: None,
         checks: checks(fit),
-        seconds: Seconds::default(),
-        peak_rss_bytes: 0,
-        threads: rayon::current_num_threads(),
-        seed: case.seed,
         warnings,
+        ..Record::start(case.method.name(), input, spline.options.clone(), case.seed)
     }
 }
 
