@@ -312,9 +312,9 @@ pub(crate) struct CurveNetwork {
     /// Keep kinks out, or let them in everywhere, instead of along creases only.
     #[arg(long, value_enum, default_value_t = Kinks::Creases)]
     pub(crate) kinks: Kinks,
-    /// Largest degree of the polynomials of a chart.
-    #[arg(long, value_name = "D", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=14))]
-    pub(crate) degree: u32,
+    /// Largest degree of the polynomials of a chart, instead of 6.
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u32).range(1..=14))]
+    pub(crate) degree: Option<u32>,
     /// The paper's pursuit on the curves alone, which leaves to chance what lies between them.
     #[arg(long, conflicts_with_all = ["kinks", "degree"])]
     pub(crate) paper: bool,

@@ -99,14 +99,15 @@ pub(crate) fn network(arguments: &CurveNetwork, session: &Session) -> Case {
     let base = if arguments.paper {
         NetworkOptions::PAPER
     } else {
+        let default = NetworkOptions::default();
         NetworkOptions {
-            degree: arguments.degree,
+            degree: arguments.degree.unwrap_or(default.degree),
             c0_atoms: match arguments.kinks {
                 Kinks::Creases => C0Atoms::Gated,
                 Kinks::Everywhere => C0Atoms::With,
                 Kinks::Nowhere => C0Atoms::Without,
             },
-            ..NetworkOptions::default()
+            ..default
         }
     };
     let options = NetworkOptions {

@@ -28,6 +28,9 @@ const SPLINE_INTERVALS: u32 = 5;
 /// Degree of the spline atoms, which are smooth to order three.
 const SPLINE_DEGREE: u32 = 4;
 
+/// Largest power of the distance in cones.
+const CONE_POWERS: u32 = 2;
+
 /// What a dictionary holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -37,6 +40,8 @@ pub enum DictionaryKind {
     Own,
     /// Monomials, and the 55 shape functions of the valences 3 to 7 (and the chart's own).
     AllShapes,
+    /// Those of [`Self::Own`], then cones about the centre.
+    Cones,
     /// Monomials only.
     Polynomials,
     /// Shape functions of the chart's own valence only.
@@ -59,6 +64,15 @@ pub enum Atom {
         /// 0 for the centre, then the edges, then the far corners.
         node: u8,
     },
+    /// `r^i cos(j θ)` or `r^i sin(j θ)` about the centre, where it is not smooth.
+    Cone {
+        /// The power `i` of the distance from the centre.
+        power: u8,
+        /// How often it turns about the centre, `j`.
+        turns: u8,
+        /// Whether it is the sine.
+        sine: bool,
+    },
     /// Products of `cos(i x)` or `sin(i x)` with those of `y`.
     Wave {
         /// Frequencies along the axes, in half turns across the chart.
@@ -76,6 +90,12 @@ impl Atom {
     pub fn is_shape(&self) -> bool {
         matches!(self, Self::Shape { .. })
     }
+
+    /// Returns whether the function is smooth everywhere but at the centre of a star.
+    #[must_use]
+    pub fn is_cone(&self) -> bool {
+        matches!(self, Self::Cone { .. })
+    }
 }
 
 /// The atoms of a chart.
@@ -89,9 +109,9 @@ impl Dictionary {
     /// Returns the dictionary of this kind for charts of this shape; `degree` bounds its monomials.
     #[must_use]
     pub fn new(kind: DictionaryKind, degree: u32, star: Star) -> Self {
-        use DictionaryKind::{AllShapes, Own, Polynomials, Rich, Shapes, Splines};
+        use DictionaryKind::{AllShapes, Cones, Own, Polynomials, Rich, Shapes, Splines};
         let mut atoms = Vec::new();
-        if matches!(kind, Own | AllShapes | Polynomials | Rich) {
+        if matches!(kind, Own | Cones | AllShapes | Polynomials | Rich) {
             let powers = (0..=degree).flat_map(|d| (0..=d).map(move |j| [(d - j) as u8, j as u8]));
             atoms.extend(powers.map(Atom::Monomial));
         }
@@ -104,7 +124,7 @@ impl Dictionary {
             atoms.extend(waves());
         }
         match kind {
-            Own | Rich | Shapes => atoms.extend(shapes(star.valence)),
+            Own | Cones | Rich | Shapes => atoms.extend(shapes(star.valence)),
             AllShapes => {
                 atoms.extend(COMMON_VALENCES.flat_map(shapes));
                 if !COMMON_VALENCES.contains(&star.valence) {
@@ -112,6 +132,9 @@ impl Dictionary {
                 }
             }
             Polynomials | Splines => {}
+        }
+        if kind == Cones {
+            atoms.extend(cones(star));
         }
         Self { star, atoms }
     }
@@ -153,6 +176,29 @@ fn waves() -> impl Iterator<Item = Atom> {
             let phases = phases.into_iter().filter(move |sine| !vanishes(sine));
             phases.map(move |sine| Atom::Wave { frequency, sine })
         })
+}
+
+/// Returns the cones that differ on the edges of a star, so that a function may leave the centre along
+/// each of them as it likes; those that are polynomials are left out.
+fn cones(star: Star) -> impl Iterator<Item = Atom> {
+    let closed = star.is_closed();
+    let edges = star.sectors + u32::from(!closed);
+    // On half of a star cosines are enough; on a whole one a sine can vanish on all edges.
+    let seen = move |&(turns, sine): &(u32, bool)| match (sine, closed) {
+        (false, _) => true,
+        (true, true) => turns > 0 && 2 * turns != star.valence,
+        (true, false) => false,
+    };
+    (1..=CONE_POWERS).flat_map(move |power| {
+        let all = (0..).flat_map(|turns| [(turns, false), (turns, true)]);
+        let some = all.filter(seen).take(edges as usize);
+        let some = some.filter(move |(turns, _)| *turns > power || (turns + power) % 2 == 1);
+        some.map(move |(turns, sine)| Atom::Cone {
+            power: power as u8,
+            turns: turns as u8,
+            sine,
+        })
+    })
 }
 
 fn shapes(valence: u32) -> impl Iterator<Item = Atom> {
@@ -214,6 +260,7 @@ impl Place {
                 let [f, g] = [0, 1].map(|axis| self.power(axis, usize::from(powers[axis])));
                 Jet::of_product(f, g)
             }
+            Atom::Cone { power, turns, sine } => cone(self.xy, power, turns, sine),
             Atom::Wave { frequency, sine } => {
                 let [f, g] = [0, 1].map(|axis| {
                     let rate = 0.5 * PI * f64::from(frequency[axis]);
@@ -280,6 +327,41 @@ fn bilinear(valence: u32, node: u32, sector: u32, [u, v]: [f64; 2]) -> Jet {
     }
 }
 
+/// Returns the jet of `r^power` times the cosine or sine of so many times the angle; at the centre
+/// that of zero.
+fn cone([x, y]: [f64; 2], power: u8, turns: u8, sine: bool) -> Jet {
+    let (length, angle) = (x.hypot(y), y.atan2(x));
+    if length == 0.0 {
+        return Jet::default();
+    }
+    // It is the real or the imaginary part of z^a z̄^b.
+    let [a, b] = [1.0, -1.0].map(|sign| 0.5 * (f64::from(power) + sign * f64::from(turns)));
+    let term = |factor: f64, a: f64, b: f64| {
+        let size = factor * length.powf(a + b);
+        let (sin, cos) = (angle * (a - b)).sin_cos();
+        [size * cos, size * sin]
+    };
+    let value = term(1.0, a, b);
+    let (z, zb) = (term(a, a - 1.0, b), term(b, a, b - 1.0));
+    let zz = term(a * (a - 1.0), a - 2.0, b);
+    let mixed = term(2.0 * a * b, a - 1.0, b - 1.0);
+    let bb = term(b * (b - 1.0), a, b - 2.0);
+    // By x it is the sum of both derivatives, by y their difference times i.
+    let real = |c: [f64; 2]| if sine { c[1] } else { c[0] };
+    let times_i = |c: [f64; 2]| [-c[1], c[0]];
+    let sum = |c: [f64; 2], d: [f64; 2]| [c[0] + d[0], c[1] + d[1]];
+    let difference = |c: [f64; 2], d: [f64; 2]| [c[0] - d[0], c[1] - d[1]];
+    Jet {
+        value: real(value),
+        first: [real(sum(z, zb)), real(times_i(difference(z, zb)))],
+        second: [
+            real(sum(sum(zz, bb), mixed)),
+            real(times_i(difference(zz, bb))),
+            real(difference(mixed, sum(zz, bb))),
+        ],
+    }
+}
+
 fn wave(rate: f64, x: f64, sine: bool) -> [f64; 3] {
     let (sin, cos) = (rate * x).sin_cos();
     if sine {
@@ -311,4 +393,56 @@ fn cardinal_b_spline(degree: u32, t: f64) -> f64 {
     let d = f64::from(degree);
     (t * cardinal_b_spline(degree - 1, t) + (d + 1.0 - t) * cardinal_b_spline(degree - 1, t - 1.0))
         / d
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivatives_of_cones_are_differences() {
+        const STEP: f64 = 1e-5;
+        for (power, turns) in [(1, 0), (1, 2), (1, 3), (2, 1), (2, 3)] {
+            for sine in [false, true] {
+                let at = |x: f64, y: f64| cone([x, y], power, turns, sine);
+                let (x, y) = (0.3, -0.4);
+                let [e, w] = [STEP, -STEP].map(|h| at(x + h, y));
+                let [n, s] = [STEP, -STEP].map(|h| at(x, y + h));
+                let slope = |a: f64, b: f64| (a - b) / (2.0 * STEP);
+                let here = at(x, y);
+                for (found, wanted) in [
+                    (here.first[0], slope(e.value, w.value)),
+                    (here.first[1], slope(n.value, s.value)),
+                    (here.second[0], slope(e.first[0], w.first[0])),
+                    (here.second[1], slope(e.first[1], w.first[1])),
+                    (here.second[2], slope(n.first[1], s.first[1])),
+                ] {
+                    assert!((found - wanted).abs() < 1e-8, "{power} {turns} {sine}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn cones_and_linear_functions_leave_a_centre_along_every_edge_as_they_like() {
+        for valence in 3..=8 {
+            let star = Star {
+                sectors: valence,
+                valence,
+            };
+            let first = |atom: &Atom| matches!(atom, Atom::Cone { power: 1, .. });
+            assert_eq!(cones(star).filter(first).count() as u32, valence - 2);
+            let linear = [Atom::Monomial([1, 0]), Atom::Monomial([0, 1])];
+            let atoms: Vec<Atom> = linear
+                .into_iter()
+                .chain(cones(star).filter(first))
+                .collect();
+            let n = valence as usize;
+            let on_edges = nalgebra::DMatrix::from_fn(n, n, |edge, atom| {
+                let place = Place::new(star, edge as u32, [1.0, 0.0], false);
+                place.jet(atoms[atom]).value
+            });
+            assert!(on_edges.determinant().abs() > 1e-3, "{valence}");
+        }
+    }
 }

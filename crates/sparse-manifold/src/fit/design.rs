@@ -5,7 +5,7 @@ use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
 use super::kernels::{Accumulate, Correlations, Gradient};
-use crate::dictionary::{Dictionary, DictionaryKind};
+use crate::dictionary::{Atom, Dictionary, DictionaryKind};
 use crate::domain::Star;
 use crate::weight::weight;
 
@@ -38,6 +38,8 @@ pub(crate) struct Design {
     pub gram: Vec<f64>,
     /// Which atoms are smooth.
     pub smooth: Vec<bool>,
+    /// Which atoms are smooth but for the centre.
+    pub cones: Vec<bool>,
 }
 
 /// Returns the points of a star at which its grids have an influence, the centre first.
@@ -87,6 +89,8 @@ impl Design {
             values
         };
         let rows: Vec<f64> = samples.par_iter().map(row).flatten().collect();
+        let cones = dictionary.atoms().iter().map(Atom::is_cone);
+        let cones: Vec<bool> = cones.collect();
         let atoms = dictionary.atoms().len();
         let count = samples.len();
         let mut columns = vec![0.0; rows.len()];
@@ -100,8 +104,9 @@ impl Design {
             smooth: dictionary
                 .atoms()
                 .iter()
-                .map(|atom| !atom.is_shape())
+                .map(|atom| !(atom.is_shape() || atom.is_cone()))
                 .collect(),
+            cones,
             samples,
             atoms,
             rows,

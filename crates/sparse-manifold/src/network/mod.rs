@@ -10,10 +10,13 @@
 //! [Wang2016] §4.3; cycles after [Zhuang2013].
 
 mod arc_curve;
+mod bending;
 mod chase;
+mod coons;
 mod cycles;
 mod domain;
 mod error;
+mod facets;
 mod fill;
 mod graph;
 mod nodes;
@@ -21,6 +24,7 @@ mod options;
 mod parameter;
 mod report;
 mod segments;
+mod speeds;
 mod surface;
 mod system;
 mod touching;
@@ -37,4 +41,5 @@ pub use error::NetworkError;
 pub use graph::{CurveGraph, Junction, NetworkArc};
 pub use options::{C0Atoms, CurveSpeed, FillEnergy, NetworkOptions, SurfaceMethod};
 pub use report::NetworkReport;
+pub use speeds::ConePoint;
 pub use surface::{NetworkFit, surface_network};

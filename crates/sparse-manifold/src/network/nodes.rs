@@ -2,7 +2,8 @@
 //!
 //! # Notation
 //! An edge from `v` to `w` has the exponents `a = 4 / k_v` and `b = 4 / k_w` of the charts at its
-//! ends; the point at the fraction `s` of it lies at the fraction `I_s(a, b)` of its curve.
+//! ends; the point at the fraction `s` of it lies at the fraction `I_s(a, b)` of its curve, regraded so
+//! that curves leave a vertex with speeds that suit its chart.
 
 use msplines_common::mesh::polygon::PolygonTopology;
 use nalgebra::{Point3, Vector3};
@@ -10,13 +11,14 @@ use nalgebra::{Point3, Vector3};
 use super::domain::{DomainVertex, EdgeCurve, NetworkDomain};
 use super::graph::CurveGraph;
 use super::options::CurveSpeed;
-use super::parameter::length_fraction;
+use super::parameter::{length_fraction, regraded};
+use super::speeds::Speeds;
 use crate::domain::Star;
 use crate::numbers::Numbers;
 
 /// From so many creases on a vertex is a corner. Its shape functions are linear along the edges, not
 /// powers, and so is the arc length there.
-const CORNER: usize = 3;
+pub(super) const CORNER: usize = 3;
 
 /// Curves over the edges of a domain.
 pub(super) struct EdgeCurves<'a> {
@@ -24,6 +26,7 @@ pub(super) struct EdgeCurves<'a> {
     domain: &'a NetworkDomain,
     /// The exponent of every vertex.
     exponents: Vec<f64>,
+    speeds: Speeds,
 }
 
 impl<'a> EdgeCurves<'a> {
@@ -37,11 +40,25 @@ impl<'a> EdgeCurves<'a> {
             4.0 / f64::from(Star::of(topology, v).valence)
         };
         let vertices = 0..topology.vertex_count() as u32;
+        let exponents: Vec<f64> = vertices.map(exponent).collect();
         Self {
             graph,
             domain,
-            exponents: vertices.map(exponent).collect(),
+            speeds: match speed {
+                CurveSpeed::Adapted => Speeds::matched(graph, domain, &exponents),
+                CurveSpeed::Constant => Speeds::natural(domain),
+            },
+            exponents,
         }
+    }
+
+    pub(super) fn graph(&self) -> &CurveGraph {
+        self.graph
+    }
+
+    /// Returns how the curves leave the vertices.
+    pub(super) fn speeds(&self) -> &Speeds {
+        &self.speeds
     }
 
     /// Returns the arc and its length from the start where an edge has gone a fraction of its way.
@@ -50,6 +67,7 @@ impl<'a> EdgeCurves<'a> {
         let ends = self.domain.mesh.topology().edge_vertices(edge);
         let [from, to] = curve.interval;
         let fraction = length_fraction(s, ends.map(|v| self.exponents[v as usize]));
+        let fraction = regraded(fraction, self.speeds.ratios[edge as usize]);
         Some((curve, from + fraction * (to - from)))
     }
 
@@ -120,7 +138,7 @@ pub(super) struct Nodes {
     pub grids: Vec<Vec<u32>>,
     /// Where the nodes on curves are, in a frame.
     pub targets: Vec<Option<Vector3<f64>>>,
-    /// Whether the surface is smooth on all sides of a node.
+    /// Whether the surface is smooth at a node and on all sides of it.
     pub bends: Vec<bool>,
     /// Pairs of neighbours on grid lines, each once.
     pub lines: Vec<[u32; 2]>,
@@ -141,6 +159,7 @@ impl Nodes {
         for (v, vertex) in domain.vertices.iter().enumerate() {
             let on_curve = !matches!(vertex, DomainVertex::Centre { .. });
             targets[v] = on_curve.then(|| framed(domain.mesh.positions()[v]));
+            bends[v] = !curves.speeds.conical[v];
         }
         for edge in 0..topology.edge_count() as u32 {
             let h = topology.edge_half_edge(edge);

@@ -30,8 +30,8 @@ pub struct NetworkOptions {
     pub cells: u32,
     /// Weight of a node on a curve; one inside of a patch has 1.
     pub curve_weight: f64,
-    /// Weight of the bending of the surface in one step; absent, 1 without creases and 0.1 with.
-    pub bending: Option<f64>,
+    /// Weight of the bending of the surface.
+    pub bending: f64,
     /// The energy whose least value fills the patches in two steps.
     pub fill: FillEnergy,
     /// Most rounds of the cotangent fill.
@@ -47,7 +47,7 @@ pub enum SurfaceMethod {
     Automatic,
     /// The charts are those whose blend follows the curves and bends least.
     OneStep,
-    /// Patches are filled with nodes that bend least, and the charts fitted to all nodes.
+    /// Patches are filled with nodes that bend least, and the charts follow all nodes and bend little.
     TwoStep,
     /// A few atoms for each chart, from the curves alone. What lies between is left to chance.
     Pursuit {
@@ -77,7 +77,7 @@ pub enum CurveSpeed {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum C0Atoms {
-    /// Those that a crease touches.
+    /// Those that a crease touches, and there with kinks along the creases only.
     #[default]
     Gated,
     /// All.
@@ -127,9 +127,9 @@ impl NetworkOptions {
             speed,
             c0_atoms,
             degree,
-            cells: 8,
-            curve_weight: 100.0,
-            bending: None,
+            cells: 10,
+            curve_weight: 300.0,
+            bending: 1.0,
             fill: FillEnergy::Cotangent,
             rounds: 10,
         }
@@ -155,11 +155,11 @@ impl NetworkOptions {
             }
         }
         let weights = [
-            ("curve_weight", Some(self.curve_weight)),
+            ("curve_weight", self.curve_weight),
             ("bending", self.bending),
         ];
         for (name, value) in weights {
-            if let Some(value) = value.filter(|v| !(*v > 0.0 && v.is_finite())) {
+            if !(value > 0.0 && value.is_finite()) {
                 return Err(NetworkError::Weight { name, value });
             }
         }
@@ -173,7 +173,7 @@ impl Default for NetworkOptions {
             SurfaceMethod::Automatic,
             CurveSpeed::Adapted,
             C0Atoms::Gated,
-            5,
+            6,
         )
     }
 }

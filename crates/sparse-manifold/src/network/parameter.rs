@@ -41,6 +41,22 @@ pub(super) fn length_fraction(s: f64, [a, b]: [f64; 2]) -> f64 {
     }
 }
 
+/// Returns the factors of `s^a` and `(1 - s)^b` as which the fraction of the arc length, and what is
+/// left of it, leave the ends of an edge.
+pub(super) fn end_rates([a, b]: [f64; 2]) -> [f64; 2] {
+    let beta = (log_gamma(a) + log_gamma(b) - log_gamma(a + b)).exp();
+    [1.0 / (a * beta), 1.0 / (b * beta)]
+}
+
+/// Returns a fraction that leaves the ends of an edge `ratios` times as fast as `x`, and always grows.
+///
+/// # Reference
+/// [GregoryDelbourgo1982].
+pub(super) fn regraded(x: f64, [m, n]: [f64; 2]) -> f64 {
+    let y = x * (1.0 - x);
+    (x * x + m * y) / (1.0 + (m + n - 2.0) * y)
+}
+
 /// Returns `I_s(a, b)` by its continued fraction, from front to back after Lentz.
 fn lower(s: f64, a: f64, b: f64) -> f64 {
     let log_beta = log_gamma(a) + log_gamma(b) - log_gamma(a + b);
@@ -130,6 +146,33 @@ mod tests {
             let found = length_fraction(s, [2.0, 3.0]);
             assert!((found - s * s * (6.0 - 8.0 * s + 3.0 * s * s)).abs() < ERROR);
         }
+    }
+
+    #[test]
+    fn ends_are_left_at_the_rates_and_ratios_asked_for() {
+        const NEAR: f64 = 1e-7;
+        // The next term is about fifty times NEAR to the power of the smaller exponent.
+        const ERROR: f64 = 5e-3;
+        for exponents in [[1.0, 1.0], [4.0 / 3.0, 0.8], [2.0 / 3.0, 1.0]] {
+            for ratios in [[1.0, 1.0], [0.02, 3.0], [0.5, 0.1]] {
+                let [m, n] = [0, 1].map(|end| ratios[end] * end_rates(exponents)[end]);
+                let at = |s: f64| regraded(length_fraction(s, exponents), ratios);
+                let start = at(NEAR) / NEAR.powf(exponents[0]);
+                let end = (1.0 - at(1.0 - NEAR)) / NEAR.powf(exponents[1]);
+                assert!((start / m - 1.0).abs() < ERROR, "{start} {m}");
+                assert!((end / n - 1.0).abs() < ERROR, "{end} {n}");
+            }
+        }
+    }
+
+    #[test]
+    fn regrading_always_grows_and_may_do_nothing() {
+        for ratios in [[0.02, 0.02], [0.02, 3.0], [3.0, 3.0], [1.0, 0.3]] {
+            let all: Vec<f64> = steps().map(|x| regraded(x, ratios)).collect();
+            assert!(all.windows(2).all(|w| w[1] > w[0]), "{ratios:?}");
+            assert_eq!((all[0], all[64]), (0.0, 1.0));
+        }
+        assert!(steps().all(|x| (regraded(x, [1.0, 1.0]) - x).abs() < 1e-15));
     }
 
     #[test]

@@ -5,14 +5,18 @@ use msplines_common::progress::Outcome;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::domain::NetworkDomain;
+use super::domain::{DomainVertex, NetworkDomain};
+use super::facets::Facets;
 use super::fill::uniform_laplacian;
+use super::graph::CurveGraph;
 use super::nodes::{EdgeCurves, Frame, Nodes, creases_at, is_crease};
 use super::options::SurfaceMethod;
+use super::speeds::ConePoint;
 use super::surface::Steps;
 use crate::domain::face_coordinates;
 use crate::fit::charts::COMPONENTS;
 use crate::spline::SparseManifold;
+use crate::tessellate::{Tessellation, Tessellator};
 
 /// Points of the surface along an edge at which it is compared with the curve.
 const POINTS: u32 = 32;
@@ -25,6 +29,9 @@ const BESIDE: f64 = 1.0 / 16.0;
 
 /// Kinks beyond this angle across smooth curves are worth a warning, in degrees.
 const VISIBLE: f64 = 10.0;
+
+/// Most places that a warning lists.
+const LISTED: usize = 8;
 
 /// How a surface follows its network. Lengths are in mean arc lengths.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -49,6 +56,14 @@ pub struct NetworkReport {
     pub turn_mean_degrees: f64,
     /// The largest of these angles.
     pub turn_max_degrees: f64,
+    /// The largest angle between neighbouring facets of the surface away from creases, every face of
+    /// the domain cut into as many cells as the fit has.
+    pub facet_turn_max_degrees: f64,
+    /// Pairs of neighbouring facets with more than 60 degrees between them.
+    pub sharp_facets: usize,
+    /// Junctions where the tangents of curves lie in no plane: no smooth surface follows them, and
+    /// this one has a point there.
+    pub cone_points: Vec<ConePoint>,
     /// Root of the mean squared graph Laplacian of the surface at the nodes, times the square of the
     /// cells along an edge: about the size of the second derivatives on the domain.
     pub bending: f64,
@@ -92,6 +107,9 @@ pub(super) fn measure(
     let [kink_mean_degrees, kink_max_degrees] = degrees(&kinks);
     let [turn_mean_degrees, turn_max_degrees] = degrees(&turns);
     let [c0_atoms_smooth, c0_atoms_crease] = c0_atoms(spline, domain);
+    let tessellation = Tessellator::build(spline, steps.nodes.cells).surface(spline);
+    let facets = Facets::of(&tessellation, domain, &steps.nodes);
+    let cone_points = curves.speeds().points.clone();
     let settled = steps.fill.as_ref().is_none_or(|fill| fill.has_settled());
     NetworkReport {
         outcome: if settled {
@@ -107,17 +125,32 @@ pub(super) fn measure(
         kink_max_degrees,
         turn_mean_degrees,
         turn_max_degrees,
-        bending: bending(spline, &steps.nodes) / frame.unit,
+        facet_turn_max_degrees: facets.largest,
+        sharp_facets: facets.sharp,
+        bending: bending(&tessellation, &steps.nodes) / frame.unit,
         charts: domain.mesh.vertex_count(),
         unknowns: steps.unknowns,
         c0_atoms_crease,
         c0_atoms_smooth,
         fill_rounds: steps.fill.as_ref().map_or(0, |fill| fill.rounds),
-        warnings: warnings(domain, kink_max_degrees),
+        warnings: warnings(
+            domain,
+            curves.graph(),
+            kink_max_degrees,
+            &cone_points,
+            &facets,
+        ),
+        cone_points,
     }
 }
 
-fn warnings(domain: &NetworkDomain, kink: f64) -> Vec<String> {
+fn warnings(
+    domain: &NetworkDomain,
+    graph: &CurveGraph,
+    kink: f64,
+    cones: &[ConePoint],
+    facets: &Facets,
+) -> Vec<String> {
     let mut warnings = Vec::new();
     let unused = domain.unused_arcs.len();
     if unused > 0 {
@@ -130,7 +163,38 @@ fn warnings(domain: &NetworkDomain, kink: f64) -> Vec<String> {
             "the surface has a kink of {kink:.0} degrees across a smooth curve; is it a crease?"
         ));
     }
+    let mut steepest = cones.to_vec();
+    steepest.sort_by(|a, b| b.degrees.total_cmp(&a.degrees).then(a.point.cmp(&b.point)));
+    if let [first, ..] = steepest[..] {
+        let points: Vec<u32> = steepest.iter().take(LISTED).map(|c| c.point).collect();
+        warnings.push(format!(
+            "no plane holds the tangents of the curves at {} points, by up to {:.0} degrees, where the \
+             surface is a cone; the steepest are {points:?}: flag creases there, or round the curves",
+            cones.len(),
+            first.degrees
+        ));
+    }
+    if !facets.faces.is_empty() {
+        let worst = facets.faces.iter().take(LISTED);
+        let worst: Vec<Vec<u32>> = worst.map(|pair| corners(domain, graph, pair.1)).collect();
+        warnings.push(format!(
+            "the surface turns by up to {:.0} degrees between neighbouring facets in {} faces; the \
+             worst are between the points {worst:?}: add curves there, or flag creases",
+            facets.largest,
+            facets.faces.len()
+        ));
+    }
     warnings
+}
+
+/// Returns the points of the network at the corners of a face.
+fn corners(domain: &NetworkDomain, graph: &CurveGraph, face: u32) -> Vec<u32> {
+    let corners = domain.mesh.topology().face_vertices(face).iter();
+    let junction = |v: &u32| match domain.vertices[*v as usize] {
+        DomainVertex::Junction(junction) => Some(graph.junctions()[junction as usize].point),
+        _ => None,
+    };
+    corners.filter_map(junction).collect()
 }
 
 /// What one edge of the domain says.
@@ -213,8 +277,7 @@ fn c0_atoms(spline: &SparseManifold, domain: &NetworkDomain) -> [f64; 2] {
 }
 
 /// Returns the root of the mean squared Laplacian.
-fn bending(spline: &SparseManifold, nodes: &Nodes) -> f64 {
-    let tessellation = crate::tessellate::Tessellator::build(spline, nodes.cells).surface(spline);
+fn bending(tessellation: &Tessellation, nodes: &Nodes) -> f64 {
     let laplacian = uniform_laplacian(nodes);
     let smooth = (0..nodes.count()).filter(|&i| nodes.bends[i]);
     let squares: Vec<f64> = smooth

@@ -6,24 +6,22 @@ use msplines_common::mesh::curves::CurveNetwork;
 use msplines_common::progress::{Observer, Outcome, Progress};
 use nalgebra::Vector3;
 
+use super::bending::bending_rows;
 use super::chase::{Pursuit, chase};
+use super::coons::coons;
 use super::cycles::{Cycles, find_cycles};
 use super::domain::NetworkDomain;
 use super::error::NetworkError;
-use super::fill::{Fill, fill, uniform_laplacian};
+use super::fill::{Fill, fill};
 use super::graph::CurveGraph;
 use super::nodes::{EdgeCurves, Frame, Nodes, creases_at, is_crease};
 use super::options::{C0Atoms, NetworkOptions, SurfaceMethod};
 use super::report::{NetworkReport, measure};
-use super::system::{FitChart, System};
+use super::system::{FitChart, Gate, System};
 use crate::dictionary::DictionaryKind;
 use crate::domain::{Domain, Star};
 use crate::fit::MOST_VALENCE;
 use crate::spline::SparseManifold;
-
-/// Weight of the bending in one step, without and with creases: beside these a patch is a plate
-/// clamped on some of its sides only, and must give way more.
-const BENDING: [f64; 2] = [1.0, 0.1];
 
 /// A surface over a network, and how it came about.
 #[derive(Clone, Debug)]
@@ -42,9 +40,12 @@ pub struct NetworkFit {
 /// bends little between them.
 ///
 /// Patches are found, cut into quads where they are none, and a chart put on every vertex. In one step
-/// the charts are those with the least sum of squared distances from the curves and squared graph
-/// Laplacian of the surface; in two, nodes inside of patches are placed first, and the charts then
-/// fitted to all nodes.
+/// the charts are those with the least sum of squared distances from the curves and bending energy of
+/// the surface; in two, nodes inside of patches are placed first, and the charts follow these too.
+///
+/// Curves pass a vertex at a speed that suits the chart there. Where none does, since curves end with
+/// tangents that a smooth chart does not have, the chart has cones: the surface is smooth but for the
+/// vertex. If no plane holds the tangents, it has a point there, and the report tells where.
 ///
 /// # Reference
 /// [Wang2016] §4.3. Deviation: charts are polynomials of full degree, found together, with a bending
@@ -187,40 +188,54 @@ impl Fitter<'_> {
     fn least_squares(&self, steps: &mut Steps) -> Result<SparseManifold, NetworkError> {
         let (options, nodes) = (self.options, &steps.nodes);
         let topology = self.domain.mesh.topology();
-        let may_crease = self.may_crease();
-        let charts = FitChart::all(topology, &self.charts, nodes, options.degree, &may_crease);
+        let gates = self
+            .may_crease()
+            .into_iter()
+            .zip(&self.curves.speeds().conical);
+        let gates: Vec<Gate> = gates
+            .map(|(shapes, &cones)| Gate { shapes, cones })
+            .collect();
+        let charts = FitChart::all(topology, &self.charts, nodes, options.degree, &gates);
         let mut system = System::new(&charts, nodes);
         let weight = |node: usize| match nodes.targets[node] {
             Some(_) => options.curve_weight,
             None => 1.0,
         };
-        if let Some(fill) = &steps.fill {
-            let all = fill.nodes.iter().enumerate();
-            system.add(all.map(|(i, &x)| (weight(i), x, [(i, 1.0)])).collect());
-        } else {
-            let on_curves = nodes.targets.iter().enumerate();
-            let on_curves =
-                on_curves.filter_map(|(i, target)| target.map(|x| (weight(i), x, [(i, 1.0)])));
-            system.add(on_curves.collect());
-            let laplacian = uniform_laplacian(nodes);
-            let mut edges = 0..self.domain.curves.len() as u32;
-            let creased = edges.any(|edge| is_crease(self.domain, edge));
-            let bending = options.bending.unwrap_or(BENDING[usize::from(creased)]);
-            let smooth = (0..nodes.count()).filter(|&i| nodes.bends[i]);
-            let row = |i: usize| (bending, Vector3::zeros(), laplacian.column(i));
-            system.add(smooth.map(row).collect());
+        let fill = steps.fill.as_ref().map(|fill| &fill.nodes);
+        let wanted = |i: usize| fill.map_or(nodes.targets[i], |fill| Some(fill[i]));
+        let followed = |i: usize| Some((weight(i), wanted(i)?, [(i, 1.0)]));
+        system.add((0..nodes.count()).filter_map(followed).collect());
+        let patches = fill.cloned().or_else(|| coons(nodes));
+        let rows = bending_rows(topology, nodes, patches.as_deref());
+        let row = |(weight, terms)| (options.bending * weight, Vector3::zeros(), terms);
+        system.add(rows.into_iter().map(row).collect());
+        if options.c0_atoms == C0Atoms::Gated {
+            self.keep_smooth(&mut system);
         }
         steps.unknowns = system.unknowns();
         let solved = system.solve()?;
         let parts = charts.iter().zip(solved);
         let parts = parts.map(|(chart, c)| (chart.support.clone(), self.placed(c)));
-        let (kind, degree) = (DictionaryKind::Own, Some(options.degree));
+        let (kind, degree) = (DictionaryKind::Cones, Some(options.degree));
         Ok(SparseManifold::from_parts(
             &self.domain.mesh,
             kind,
             degree,
             parts.collect(),
         )?)
+    }
+
+    /// Lets shape functions have kinks along creases only.
+    fn keep_smooth(&self, system: &mut System<'_>) {
+        let topology = self.domain.mesh.topology();
+        for (v, &star) in self.charts.stars().iter().enumerate() {
+            for (sector, h) in topology.outgoing(v as u32).enumerate() {
+                let edge = topology.edge(h);
+                if !topology.is_boundary_edge(edge) && !is_crease(self.domain, edge) {
+                    system.forbid_kink(v as u32, star, sector as u32);
+                }
+            }
+        }
     }
 
     /// Returns coefficients in the space of the network, the constant atom first.

@@ -121,7 +121,7 @@ fn quads_of_genus_two_are_followed_smoothly_and_filled_like_the_true_surface() {
     let sharpness = smooth(&mesh);
     let truth = Truth::of(&mesh, &sharpness);
     let network = limit_network(&mesh, &sharpness, 3, 0.0, 1).network;
-    // Found: 7.8e-4, 1.8e-3, 0.68; 7.5e-4, 2.4e-3, 1.04; 7.5e-4, 4.6e-3, 1.41.
+    // Found: 1.5e-4, 1.9e-3, 0.54 degrees in one step.
     for (options, surface, normals) in [
         (NetworkOptions::default(), 2.5e-3, 1.0),
         (two_step(FillEnergy::Uniform), 3.5e-3, 1.3),
@@ -129,15 +129,15 @@ fn quads_of_genus_two_are_followed_smoothly_and_filled_like_the_true_surface() {
     ] {
         let fit = fitted(&network, &options);
         let (report, error) = (&fit.report, truth.error(&fit));
-        assert!(report.curve_rms <= 8e-4, "{report:?}");
-        assert!(report.curve_max <= 4e-3, "{report:?}");
+        assert!(report.curve_rms <= 3e-4, "{report:?}");
+        assert!(report.curve_max <= 1.5e-3, "{report:?}");
         assert!(report.kink_max_degrees < 1e-3, "{report:?}");
         assert!(
             error.rms <= surface && error.normals <= normals,
             "{error:?}"
         );
         assert_eq!(report.outcome, Outcome::Converged);
-        assert_eq!((report.charts, report.unknowns), (48, 48 * 21));
+        assert_eq!((report.charts, report.unknowns), (48, 48 * 28 + 16 * 5));
     }
     // The pursuit on the curves alone says nothing about what lies between.
     let best = truth.error(&fitted(&network, &NetworkOptions::default()));
@@ -168,9 +168,10 @@ fn creases_need_shape_functions_in_the_charts_that_they_touch_only() {
         let fit = fitted(&network, &options);
         (truth.error(&fit), fit.report)
     };
-    // Found: 1.38 and 3.6 degrees.
+    // Found: 0.63 degrees, and no kink along smooth curves above 1e-4 degrees.
     let (gated, report) = with(C0Atoms::Gated);
-    assert!(gated.normals <= 2.0 && gated.rms <= 5e-3, "{gated:?}");
+    assert!(gated.normals <= 1.0 && gated.rms <= 3e-3, "{gated:?}");
+    assert!(report.kink_max_degrees < 1e-2, "{report:?}");
     assert!(
         report.c0_atoms_crease > 5.0 && report.c0_atoms_smooth == 0.0,
         "{report:?}"
@@ -186,7 +187,7 @@ fn creases_need_shape_functions_in_the_charts_that_they_touch_only() {
     );
     // Everywhere they follow the curves better, and break smooth ones.
     let (_, everywhere) = with(C0Atoms::With);
-    assert!(everywhere.c0_atoms_smooth > 5.0 && everywhere.kink_mean_degrees > 1.0);
+    assert!(everywhere.c0_atoms_smooth > 5.0 && everywhere.kink_mean_degrees > 0.5);
 }
 
 /// Returns the edges of the unit cube, each a curve of its own.
@@ -222,11 +223,11 @@ fn patches_with_other_numbers_of_corners_are_split_and_filled() {
     let sharpness = smooth(&mesh);
     let truth = Truth::of(&mesh, &sharpness);
     let network = limit_network(&mesh, &sharpness, 3, 0.3, 1).network;
-    // Found: 1.5e-3, 1.5e-2, 4.1 degrees.
+    // Found: 6.8e-5, 1.5e-2, 3.8 degrees.
     let fit = fitted(&network, &NetworkOptions::default());
     let error = truth.error(&fit);
     assert!(fit.domain.split && fit.report.method == SurfaceMethod::TwoStep);
-    assert!(fit.report.curve_rms <= 2e-3, "{:?}", fit.report);
+    assert!(fit.report.curve_rms <= 2e-4, "{:?}", fit.report);
     assert!(error.rms <= 2e-2 && error.normals <= 5.0, "{error:?}");
     // The uniform energy sags in uneven patches.
     let uniform = truth.error(&fitted(&network, &two_step(FillEnergy::Uniform)));
@@ -347,7 +348,7 @@ fn what_cannot_be_is_refused() {
         ),
         (
             NetworkOptions {
-                bending: Some(f64::NAN),
+                bending: f64::NAN,
                 ..default()
             },
             "`bending` is NaN",
@@ -383,5 +384,91 @@ fn a_vertex_with_too_many_patches_is_named_by_its_place() {
         error.to_string(),
         "the patches at (1.000000, 2.000000, 3.000000) make a chart of valence 130; one takes at \
          most 120: let some curves end before"
+    );
+}
+
+/// Returns circles on a torus at these angles about its axis, and about its core.
+fn torus_network(about_axis: &[f64], about_core: &[f64]) -> CurveNetwork {
+    const STEPS: usize = 4;
+    let finer = |angles: &[f64]| -> Vec<f64> {
+        let ends = angles[1..]
+            .iter()
+            .copied()
+            .chain([angles[0] + std::f64::consts::TAU]);
+        let pairs: Vec<(f64, f64)> = angles.iter().copied().zip(ends).collect();
+        let parts =
+            |(a, b): (f64, f64)| (0..STEPS).map(move |i| a + (b - a) * i as f64 / STEPS as f64);
+        pairs.into_iter().flat_map(parts).collect()
+    };
+    let (us, vs) = (finer(about_axis), finer(about_core));
+    let place = |u: f64, v: f64| {
+        let radius = 3.0 + v.cos();
+        Point3::new(radius * u.cos(), radius * u.sin(), v.sin())
+    };
+    let mut points = Vec::new();
+    let mut ids = std::collections::BTreeMap::new();
+    for (i, &u) in us.iter().enumerate() {
+        for (j, &v) in vs.iter().enumerate() {
+            if i % STEPS == 0 || j % STEPS == 0 {
+                ids.insert((i, j), points.len() as u32);
+                points.push(place(u, v));
+            }
+        }
+    }
+    let closed = |at: &dyn Fn(usize) -> (usize, usize), count: usize| {
+        Curve::smooth((0..=count).map(|i| ids[&at(i % count)]).collect())
+    };
+    let meridians = (0..us.len())
+        .step_by(STEPS)
+        .map(|i| closed(&|j| (i, j), vs.len()));
+    let parallels = (0..vs.len())
+        .step_by(STEPS)
+        .map(|j| closed(&|i| (i, j), us.len()));
+    let curves = meridians.chain(parallels).collect();
+    CurveNetwork::build(points, curves).expect("curves")
+}
+
+#[test]
+fn short_arcs_beside_long_ones_of_the_same_curve_are_followed_without_folds() {
+    let axis = [0.0, 0.1, 1.3, 2.5, 2.6, 3.7, 5.0];
+    let core = [0.0, 0.1, 1.6, 3.1, 3.2, 4.7];
+    let network = torus_network(&axis, &core);
+    let fit = fitted(&network, &NetworkOptions::default());
+    let report = &fit.report;
+    assert_eq!(report.charts, 42);
+    // Found: 1.1e-3, 20 degrees. Curves with a speed of their own in every face: 8.5e-3, 653 folds;
+    // second differences that all count alike: 244 folds.
+    assert!(report.curve_rms < 1.5e-3, "{report:?}");
+    assert!(
+        report.facet_turn_max_degrees < 30.0 && report.sharp_facets == 0,
+        "{report:?}"
+    );
+    assert!(report.cone_points.is_empty(), "{report:?}");
+}
+
+#[test]
+fn a_cube_of_smooth_curves_has_points_at_its_corners_and_tells_so() {
+    let corners = cube();
+    let smooth = corners
+        .curves()
+        .iter()
+        .map(|c| Curve::smooth(c.points.clone()))
+        .collect();
+    let network = CurveNetwork::build(corners.points().to_vec(), smooth).expect("curves");
+    let fit = fitted(&network, &NetworkOptions::default());
+    let report = &fit.report;
+    // Found: 4.1e-4; without cones 4.9e-3.
+    assert!(report.curve_rms < 8e-4, "{report:?}");
+    assert!(report.kink_max_degrees < 1e-3, "{report:?}");
+    let angle = (1.0 / 3.0_f64.sqrt()).asin().to_degrees();
+    assert_eq!(report.cone_points.len(), 8);
+    for cone in &report.cone_points {
+        assert!((cone.degrees - angle).abs() < 1e-9, "{cone:?}");
+    }
+    let told = "at 8 points, by up to 35 degrees, where the surface is a cone";
+    assert!(
+        report.warnings.iter().any(|w| w.contains(told)),
+        "{:?}",
+        report.warnings
     );
 }

@@ -282,6 +282,12 @@ fn checks(fit: &NetworkFit) -> BTreeMap<String, Value> {
         ("kink_max_degrees", json!(report.kink_max_degrees)),
         ("turn_mean_degrees", json!(report.turn_mean_degrees)),
         ("turn_max_degrees", json!(report.turn_max_degrees)),
+        (
+            "facet_turn_max_degrees",
+            json!(report.facet_turn_max_degrees),
+        ),
+        ("sharp_facets", json!(report.sharp_facets)),
+        ("cone_points", json!(report.cone_points.len())),
         ("c0_atoms_crease", json!(report.c0_atoms_crease)),
         ("c0_atoms_smooth", json!(report.c0_atoms_smooth)),
         ("fill_rounds", json!(report.fill_rounds)),
