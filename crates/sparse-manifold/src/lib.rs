@@ -22,6 +22,7 @@
 //! # Reference
 //! [Wang2016].
 
+mod cones;
 mod dictionary;
 mod domain;
 mod error;

@@ -33,6 +33,8 @@ mod touching;
 mod surface_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod uneven_tests;
 
 pub use arc_curve::ArcCurve;
 pub use cycles::{Cycle, CycleOptions, CycleReport, Cycles, find_cycles};
