@@ -1,9 +1,13 @@
 //! The command line.
 
+mod solid;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use msplines_compare::case::{Amount, Knots};
+
+pub(crate) use solid::{Deform, Map, SolidFit, Trivariate};
 
 /// Splines on triangle meshes of any shape.
 ///
@@ -55,6 +59,8 @@ pub(crate) enum Command {
     Decompose(Decompose),
     /// Evaluate a spline file.
     Evaluate(Evaluate),
+    /// Move control points of a trivariate spline.
+    Deform(Deform),
     /// Move control points of a biharmonic B-spline.
     Edit(Edit),
     /// Add biharmonic B-splines on the same mesh.
@@ -64,7 +70,7 @@ pub(crate) enum Command {
 /// `msplines info`.
 #[derive(Debug, Args)]
 pub(crate) struct Info {
-    /// Mesh file: OBJ, OFF, PLY or STL.
+    /// Mesh file: OBJ, OFF, PLY or STL; or tetrahedra: .mesh, .msh, .vtk, .vtu, or .node with .ele.
     pub(crate) input: PathBuf,
     /// Print JSON.
     #[arg(long)]
@@ -82,6 +88,8 @@ pub(crate) enum Fit {
     SparseManifold(SparseManifold),
     /// A surface through a network of curves.
     CurveNetwork(CurveNetwork),
+    /// A solid as a smooth map of the unit cube.
+    Trivariate(Trivariate),
 }
 
 /// What every fit takes.
@@ -388,8 +396,16 @@ pub(crate) struct Evaluate {
     /// the number of times that the side of every face is halved.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=8))]
     pub(crate) subdivide: u32,
+    /// Cut every span of a trivariate spline into so many by so many by so many cells; as in the fit
+    /// where absent.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) tessellate: Option<u32>,
+    /// Write points and first derivatives of a trivariate spline at the parameters in this NumPy array
+    /// or text file, rows of u v w, as .npy or .csv.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) at: Option<PathBuf>,
     /// File to write, more than one by repeating: .ply, .vtu, .glb or .obj for the surface, .json
-    /// for the spline.
+    /// for the spline; of a trivariate spline as of its fit.
     #[arg(short, long = "output", value_name = "OUT", required = true)]
     pub(crate) outputs: Vec<PathBuf>,
 }

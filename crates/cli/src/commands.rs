@@ -12,10 +12,11 @@ use msplines_compare::run::{self, Evaluation, Shift};
 use msplines_ls_mesh::Constraints;
 
 use crate::arguments::{
-    BiharmonicChoices, Combine, Decompose, Edit, Effort, Evaluate, Fit, FitFiles, Selection,
+    BiharmonicChoices, Combine, Decompose, Deform, Edit, Effort, Evaluate, Fit, FitFiles, Selection,
 };
 use crate::manifold;
 use crate::session::{Failure, Session};
+use crate::solid;
 
 /// Attributes that hold the colours of vertices.
 const COLOURS: [&str; 3] = ["red", "green", "blue"];
@@ -33,6 +34,7 @@ pub(crate) fn fit(fit: &Fit, session: &Session) -> Result<u8, Failure> {
         }
         Fit::SparseManifold(arguments) => (&arguments.input, manifold::case(arguments, session)),
         Fit::CurveNetwork(arguments) => (&arguments.input, manifold::network(arguments, session)),
+        Fit::Trivariate(arguments) => (&arguments.input, solid::case(arguments, session)?),
     };
     let label = format!("{} {}", case.method.name(), file_name(input));
     session.observe(&label, |observer| {
@@ -59,6 +61,11 @@ pub(crate) fn edit(edit: &Edit, session: &Session) -> Result<u8, Failure> {
     run_evaluation("edit", &evaluation, session)
 }
 
+/// Moves control points of a solid in a file.
+pub(crate) fn deform(deform: &Deform, session: &Session) -> Result<u8, Failure> {
+    run_evaluation("deform", &solid::deformation(deform, session), session)
+}
+
 /// Adds splines in files.
 pub(crate) fn combine(combine: &Combine, session: &Session) -> Result<u8, Failure> {
     let term = |text: &String| {
@@ -81,6 +88,9 @@ fn evaluation(evaluate: &Evaluate, session: &Session) -> Evaluation {
         shifts: Vec::new(),
         sum: None,
         subdivide: evaluate.subdivide,
+        cells: evaluate.tessellate.map(|cells| cells as usize),
+        at: evaluate.at.clone(),
+        moved: Vec::new(),
         outputs: evaluate.outputs.clone(),
         seed: session.seed,
     }

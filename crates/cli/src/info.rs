@@ -1,12 +1,14 @@
 //! `msplines info`: what a mesh file holds, and every defect of it.
 
+mod solid;
+
 use std::fmt::Write as _;
 use std::io::Write as _;
 
 use msplines_common::mesh::{Facts, Policy, PolygonSoup, accept, preflight};
 use msplines_compare::error::exit;
-use msplines_compare::input::{file_name, unreadable};
-use msplines_io::{read_soup, sha256_file};
+use msplines_compare::input::{file_name, holds_tetrahedra, unreadable};
+use msplines_io::{read_soup, read_tets, sha256_file};
 use serde::Serialize;
 
 use crate::arguments::Info;
@@ -44,22 +46,40 @@ pub(crate) fn run(info: &Info, session: &Session) -> Result<u8, Failure> {
         text: format!("{file}: {text}"),
     };
     let sha256 = sha256_file(&info.input).map_err(|e| refused(unreadable(&e)))?;
-    let soup = read_soup(&info.input).map_err(|e| refused(e.to_string()))?;
     let policy = if session.repair {
         Policy::Repair
     } else {
         Policy::Refuse
     };
+    if holds_tetrahedra(&info.input) {
+        let soup = read_tets(&info.input).map_err(|e| refused(e.to_string()))?;
+        let findings = solid::Findings::of(&soup, policy, &file, sha256);
+        return say(info, session, &findings, || findings.describe());
+    }
+    let soup = read_soup(&info.input).map_err(|e| refused(e.to_string()))?;
     let findings = examine(&soup, policy, &file, sha256);
+    say(info, session, &findings, || describe(&findings))
+}
+
+/// Prints findings as JSON or as text, and writes them to the file of `--report`.
+fn say(
+    info: &Info,
+    session: &Session,
+    findings: &impl Serialize,
+    describe: impl FnOnce() -> String,
+) -> Result<u8, Failure> {
     let text = if info.json {
-        let json = serde_json::to_string_pretty(&findings);
-        json.map_err(|e| refused(e.to_string()))? + "\n"
+        let json = serde_json::to_string_pretty(findings).map_err(|e| Failure {
+            code: exit::INPUT,
+            text: format!("{}: {e}", file_name(&info.input)),
+        });
+        json? + "\n"
     } else {
-        describe(&findings)
+        describe()
     };
     // A reader that has had enough, such as `head`, closes the pipe.
     let _ = std::io::stdout().write_all(text.as_bytes());
-    session.write_report(&findings)?;
+    session.write_report(findings)?;
     Ok(exit::SUCCESS)
 }
 

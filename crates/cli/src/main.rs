@@ -16,6 +16,7 @@ mod info;
 mod interrupt;
 mod manifold;
 mod session;
+mod solid;
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
             Command::Edit(edit) => commands::edit(edit, &session),
             Command::Combine(combine) => commands::combine(combine, &session),
             Command::Evaluate(evaluate) => commands::evaluate(evaluate, &session),
+            Command::Deform(deform) => commands::deform(deform, &session),
         }
     });
     match outcome {

@@ -78,12 +78,25 @@ pub enum EvaluateError {
         /// The vertex.
         vertex: u32,
     },
+    /// A parameter of a solid that is not finite or outside of the unit cube.
+    #[error("point {point} is no parameter of the unit cube; give three numbers from 0 to 1")]
+    OutsideCube {
+        /// Index into the points asked for.
+        point: usize,
+    },
     /// The system that extends the spline to these points could not be solved.
     #[error("the points cannot be prepared: {reason}")]
     Unsolvable {
         /// What failed.
         reason: String,
     },
+}
+
+/// A point of the unit cube over which a solid is defined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VolumePoint {
+    /// The three parameters, each from 0 to 1.
+    pub at: [f64; 3],
 }
 
 /// Values, and derivatives where asked for, at prepared points.
@@ -94,9 +107,11 @@ pub struct Samples {
     /// Values, point after point: `values[point * dimension + component]`.
     pub values: Vec<f64>,
     /// First derivatives `[point][direction 0..2][component]` in the orthonormal frame of a triangle, or
-    /// by the coordinates of a quad; empty unless asked for.
+    /// by the coordinates of a quad; `[point][direction 0..3][component]` by the parameters of a solid;
+    /// empty unless asked for.
     pub first: Vec<f64>,
-    /// Second derivatives `[point][uu, uv, vv][component]`; empty unless asked for.
+    /// Second derivatives `[point][uu, uv, vv][component]`, of a solid
+    /// `[point][uu, uv, uw, vv, vw, ww][component]`; empty unless asked for.
     pub second: Vec<f64>,
 }
 
@@ -118,6 +133,19 @@ pub trait SurfaceSpline {
     fn prepare(
         &self,
         points: &[SurfacePoint],
+        order: Order,
+    ) -> Result<Box<dyn Evaluator + '_>, EvaluateError>;
+}
+
+/// A spline over the unit cube.
+pub trait VolumeSpline {
+    /// Pays what `points` cost once, so that they can be evaluated cheaply.
+    ///
+    /// # Errors
+    /// A point outside of the unit cube, or an order that the method does not have.
+    fn prepare(
+        &self,
+        points: &[VolumePoint],
         order: Order,
     ) -> Result<Box<dyn Evaluator + '_>, EvaluateError>;
 }

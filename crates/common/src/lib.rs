@@ -4,6 +4,7 @@
 //! matrices but no geometry, and the two meet in [`operators`]. [`evaluate`] holds the traits that
 //! every spline implements, [`metrics`] the measures that every spline is judged by.
 
+pub mod bspline;
 pub mod evaluate;
 pub mod linalg;
 pub mod mesh;

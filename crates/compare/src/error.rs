@@ -1,5 +1,7 @@
 //! Why a run gives no result, and which exit code says so.
 
+mod solid;
+
 use std::path::PathBuf;
 
 use msplines_biharmonic::{CombineError, DecomposeError, FitError};
@@ -8,6 +10,8 @@ use msplines_common::mesh::TopologyError;
 
 use crate::animation::FrameError;
 use crate::case::AmountError;
+
+pub use solid::TrivariateError;
 
 /// The exit codes of the program.
 pub mod exit {
@@ -134,6 +138,9 @@ pub enum RunError {
     /// The surface over a curve network failed.
     #[error("curve-network: {0}")]
     CurveNetwork(#[from] msplines_sparse_manifold::network::NetworkError),
+    /// The trivariate spline failed.
+    #[error(transparent)]
+    Trivariate(#[from] TrivariateError),
     /// The fitted or stored spline could not be evaluated.
     #[error(transparent)]
     Spline(#[from] SplineFileError),
@@ -167,6 +174,7 @@ impl RunError {
             Self::Spline(error) => error.exit_code(),
             Self::SparseManifold(error) => manifold_exit_code(error),
             Self::CurveNetwork(_) => exit::METHOD,
+            Self::Trivariate(error) => error.exit_code(),
             Self::Task { .. }
             | Self::Biharmonic(FitError::CreaseAngle { .. } | FitError::WeightsWithL1)
             | Self::Combine(CombineError::Factor { .. })
@@ -312,6 +320,15 @@ pub enum SplineFileError {
     /// A domain of polygons, or a spline over one, where triangles are needed.
     #[error("the spline lives on polygons, not on triangles; evaluate it by itself")]
     Polygons,
+    /// A cube as domain, or a spline over it, where triangles are needed.
+    #[error("the spline lives on the unit cube, not on triangles; evaluate it by itself")]
+    Cube,
+    /// A trivariate spline over something else than the cube.
+    #[error("a trivariate spline must have the domain `cube`; the file is damaged, fit again")]
+    NoCube,
+    /// The numbers do not make a trivariate spline.
+    #[error("trivariate: {0}; the spline file is damaged, fit again")]
+    Trivariate(#[from] msplines_trivariate::spline::SplineError),
     /// The spline could not be evaluated.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
@@ -322,7 +339,9 @@ impl SplineFileError {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::VerticesOnly | Self::Polygons | Self::DomainMissing { .. } => exit::USAGE,
+            Self::VerticesOnly | Self::Polygons | Self::Cube | Self::DomainMissing { .. } => {
+                exit::USAGE
+            }
             Self::Biharmonic(_) | Self::Space(_) | Self::LsMesh(_) | Self::Evaluate(_) => {
                 exit::METHOD
             }

@@ -69,12 +69,13 @@ pub(crate) fn fit(
             let fit = ls_mesh::fit(&input.mesh, values, &options, &mut timed)?;
             Ok(Fitted::of_ls_mesh(fit, &options))
         }
-        Method::SparseManifold(_) | Method::CurveNetwork(_) | Method::Chart(_) => {
-            Err(RunError::Task {
-                task: "spline over triangles",
-                method: case.method.name(),
-            })
-        }
+        Method::SparseManifold(_)
+        | Method::CurveNetwork(_)
+        | Method::Chart(_)
+        | Method::Trivariate(_) => Err(RunError::Task {
+            task: "spline over triangles",
+            method: case.method.name(),
+        }),
     }
 }
 

@@ -175,7 +175,7 @@ fn write_companion(folder: &Path, companion: &Companion) -> Result<(), RunError>
         let surface = Surface {
             positions: mesh.positions(),
             faces: mesh.faces(),
-            attributes: &[],
+            attributes: &companion.fields,
         };
         write_surface(&path, &surface).map_err(|e| RunError::Write {
             path,
@@ -226,7 +226,8 @@ fn attributes(values: &[f64], names: &[String]) -> Vec<VertexAttribute> {
         .collect()
 }
 
-fn extension(path: &Path) -> String {
+/// Returns the extension of a file in small letters.
+pub(crate) fn extension(path: &Path) -> String {
     path.extension()
         .unwrap_or_default()
         .to_string_lossy()

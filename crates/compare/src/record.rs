@@ -17,7 +17,7 @@ pub struct Record {
     pub schema: String,
     /// The program that ran.
     pub tool: Tool,
-    /// `biharmonic`, `ls-mesh`, `sparse-manifold`, `curve-network` or `chart`.
+    /// `biharmonic`, `ls-mesh`, `sparse-manifold`, `curve-network`, `chart` or `trivariate`.
     pub method: String,
     /// Facts of the input mesh.
     pub input: InputFacts,

@@ -119,6 +119,30 @@ pub enum ReadError {
         /// Its format.
         format: Format,
     },
+    /// The file is in no format of solids.
+    #[error(
+        "{} is in no format of solids; give tetrahedra as .mesh, .msh, .vtk, .vtu or .node with \
+         .ele, with that extension",
+        path.display()
+    )]
+    NotSolid {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file holds no tetrahedron.
+    #[error(
+        "{} ({format}) holds {vertices} vertices but no tetrahedra; give a solid, or its surface \
+         to have it meshed",
+        path.display()
+    )]
+    NoCells {
+        /// The file.
+        path: PathBuf,
+        /// Its format.
+        format: Format,
+        /// How many vertices it holds.
+        vertices: usize,
+    },
     /// There are more vertices or face corners than 32-bit ids can name.
     #[error(
         "{} ({format}) holds {vertices} vertices and {corners} face corners, more than 32-bit \

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
-use crate::{npy, off, ply, stl};
+use crate::{npy, off, ply, stl, volume};
 
 /// A format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +25,16 @@ pub enum Format {
     Svg,
     /// Creases of a control mesh.
     Creases,
+    /// Medit's tetrahedra.
+    Medit,
+    /// Gmsh's tetrahedra.
+    Gmsh,
+    /// Tetrahedra in VTK's legacy file of an unstructured grid.
+    Vtk,
+    /// Tetrahedra in VTK's XML file of an unstructured grid.
+    Vtu,
+    /// TetGen's tetrahedra, in two files.
+    TetGen,
 }
 
 impl Format {
@@ -38,6 +48,14 @@ impl Format {
             Some(Self::Off)
         } else if npy::has_magic(bytes) {
             Some(Self::Npy)
+        } else if volume::is_vtk(bytes) {
+            Some(Self::Vtk)
+        } else if volume::is_vtu(bytes) {
+            Some(Self::Vtu)
+        } else if volume::is_medit(bytes) {
+            Some(Self::Medit)
+        } else if volume::is_gmsh(bytes) {
+            Some(Self::Gmsh)
         } else if stl::has_magic(bytes) {
             Some(Self::Stl)
         } else {
@@ -54,6 +72,11 @@ impl Format {
             "curves" => Some(Self::Curves),
             "svg" => Some(Self::Svg),
             "creases" => Some(Self::Creases),
+            "mesh" | "meshb" => Some(Self::Medit),
+            "msh" => Some(Self::Gmsh),
+            "vtk" => Some(Self::Vtk),
+            "vtu" => Some(Self::Vtu),
+            "node" | "ele" => Some(Self::TetGen),
             _ => None,
         }
     }
@@ -70,6 +93,11 @@ impl fmt::Display for Format {
             Self::Curves => "curve network",
             Self::Svg => "SVG",
             Self::Creases => "creases",
+            Self::Medit => "Medit",
+            Self::Gmsh => "Gmsh",
+            Self::Vtk => "VTK",
+            Self::Vtu => "VTU",
+            Self::TetGen => "TetGen",
         })
     }
 }

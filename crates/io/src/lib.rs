@@ -1,4 +1,4 @@
-//! Readers and writers of surface meshes, of curve networks and of arrays.
+//! Readers and writers of surface meshes, of solids, of curve networks and of arrays.
 //!
 //! [`read_soup`] takes OBJ, OFF, PLY and STL files and returns what they say, in file order, with
 //! nothing about the mesh checked: an index may lie outside, a coordinate may be NaN. Whether the
@@ -8,6 +8,9 @@
 //!
 //! [`write_surface`] writes PLY, OBJ, VTU and glb. Every file is written beside its target and
 //! renamed, so that a target is whole or absent, and the same surface gives the same bytes.
+//!
+//! [`read_tets`] takes tetrahedra from Medit, Gmsh, VTK and TetGen files, and [`write_volume`] writes
+//! tetrahedra and hexahedra.
 //!
 //! [`read_curves`] takes curve networks from `.curves`, OBJ and SVG files, and [`read_creases`] the
 //! creases beside a control mesh.
@@ -20,7 +23,11 @@
 //! | OBJ | polygons, vertex colours; lines as curves | text | double | none |
 //! | OFF | text, also with normals and colours | | | |
 //! | STL | text, binary | | | |
-//! | VTU | | XML with base64 data | double | all |
+//! | VTU | tetrahedra: text, base64, appended, zlib | XML with base64 data | double | all |
+//! | VTK | tetrahedra: text, binary | | | |
+//! | Medit | tetrahedra: text | text | double | none |
+//! | Gmsh | tetrahedra: 2.2 and 4.1, text, binary | 4.1, text | double | all |
+//! | TetGen | tetrahedra: `.node` with `.ele` | | | |
 //! | glb | | glTF 2.0 | single | colours |
 //! | curves | text | | | |
 //! | SVG | paths, lines, polylines, polygons | | | |
@@ -40,6 +47,7 @@ mod ply;
 mod read;
 mod stl;
 mod text;
+mod volume;
 mod vtu;
 
 pub use curves::{Creases, parse_creases, parse_curves, read_creases, read_curves};
@@ -49,3 +57,4 @@ pub use format::Format;
 pub use npy::{Array, parse_npy, read_npy, write_npy};
 pub use output::{OutputFormat, Surface, WriteError, write_atomically, write_surface};
 pub use read::{parse_soup, read_points, read_soup};
+pub use volume::{Field, Volume, VolumeCells, parse_tetgen, parse_tets, read_tets, write_volume};

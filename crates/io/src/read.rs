@@ -6,7 +6,7 @@ use std::path::Path;
 use msplines_common::mesh::PolygonSoup;
 use nalgebra::Point3;
 
-use crate::{Format, ReadError, curves, npy, obj, off, ply, stl};
+use crate::{Format, ReadError, curves, npy, obj, off, ply, stl, volume};
 
 /// Returns the positions, polygons and vertex attributes of a file, in file order.
 ///
@@ -72,6 +72,9 @@ fn parse_any(path: &Path, bytes: &[u8]) -> Result<(Format, PolygonSoup), ReadErr
         Format::Stl => stl::parse(bytes),
         Format::Npy => Err(npy::no_mesh()),
         Format::Curves | Format::Svg | Format::Creases => Err(curves::no_mesh(format)),
+        Format::Medit | Format::Gmsh | Format::Vtk | Format::Vtu | Format::TetGen => {
+            Err(volume::no_surface())
+        }
     };
     let soup = parsed.map_err(|fault| fault.in_file(path.to_owned(), format))?;
     check_size(path, format, &soup)?;

@@ -7,76 +7,141 @@ use std::io::{self, Write};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use nalgebra::Point3;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 
 use crate::output::Surface;
+use crate::volume::{Field, Volume, VolumeCells};
 
 /// VTK's number for a cell that is a triangle.
 const VTK_TRIANGLE: u8 = 5;
+/// VTK's number for a cell that is a tetrahedron.
+const VTK_TETRAHEDRON: u8 = 10;
+/// VTK's number for a cell that is a hexahedron.
+const VTK_HEXAHEDRON: u8 = 12;
+/// VTK's number for a cell that is a Bézier hexahedron.
+const VTK_BEZIER_HEXAHEDRON: u8 = 79;
+/// Version of the format that all readers take.
+const VERSION: &str = "1.0";
+/// The version since which upright edges of cells of higher degree run around like their corners.
+const HIGHER_DEGREE_VERSION: &str = "2.2";
+
+/// Cells of one kind, whose vertices stand one cell after another.
+struct Cells<'a> {
+    vertices: &'a [u32],
+    corners: usize,
+    kind: u8,
+}
+
+/// Data of vertices or cells: name, components, values.
+type Data<'a> = (&'a str, usize, &'a [f64]);
 
 /// Writes a surface as triangle cells, its attributes as point data.
 pub(crate) fn write(surface: &Surface<'_>, to: &mut dyn Write) -> io::Result<()> {
+    let cells = Cells {
+        vertices: surface.faces.as_flattened(),
+        corners: 3,
+        kind: VTK_TRIANGLE,
+    };
+    let attributes = surface.attributes.iter();
+    let data: Vec<Data<'_>> = attributes
+        .map(|attribute| (attribute.name.as_str(), 1, attribute.values.as_slice()))
+        .collect();
+    write_grid(surface.positions, &cells, &data, &[], to)
+}
+
+/// Writes a solid as cells, with its data.
+pub(crate) fn write_volume(volume: &Volume<'_>, to: &mut dyn Write) -> io::Result<()> {
+    let cells = Cells {
+        vertices: volume.cells.vertices(),
+        corners: volume.cells.corners(),
+        kind: match volume.cells {
+            VolumeCells::Tetrahedra(_) => VTK_TETRAHEDRON,
+            VolumeCells::Hexahedra(_) => VTK_HEXAHEDRON,
+            VolumeCells::BezierHexahedra { .. } => VTK_BEZIER_HEXAHEDRON,
+        },
+    };
+    let point_data: Vec<Data<'_>> = volume.point_data.iter().map(as_data).collect();
+    let cell_data: Vec<Data<'_>> = volume.cell_data.iter().map(as_data).collect();
+    write_grid(volume.positions, &cells, &point_data, &cell_data, to)
+}
+
+fn as_data<'a>(field: &Field<'a>) -> Data<'a> {
+    (field.name, field.components, field.values)
+}
+
+fn write_grid(
+    positions: &[Point3<f64>],
+    cells: &Cells<'_>,
+    point_data: &[Data<'_>],
+    cell_data: &[Data<'_>],
+    to: &mut dyn Write,
+) -> io::Result<()> {
+    let (points, count) = (positions.len(), cells.vertices.len() / cells.corners);
+    let version = match cells.kind {
+        VTK_BEZIER_HEXAHEDRON => HIGHER_DEGREE_VERSION,
+        _ => VERSION,
+    };
     let mut xml = Writer::new_with_indent(to, b' ', 1);
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
     xml.create_element("VTKFile")
-        .with_attributes([("type", "UnstructuredGrid"), ("version", "1.0")])
+        .with_attributes([("type", "UnstructuredGrid"), ("version", version)])
         .with_attributes([("byte_order", "LittleEndian"), ("header_type", "UInt64")])
         .write_inner_content(|xml| {
             xml.create_element("UnstructuredGrid")
-                .write_inner_content(|xml| write_piece(surface, xml))?;
+                .write_inner_content(|xml| {
+                    xml.create_element("Piece")
+                        .with_attribute(("NumberOfPoints", points.to_string().as_str()))
+                        .with_attribute(("NumberOfCells", count.to_string().as_str()))
+                        .write_inner_content(|xml| {
+                            write_data("PointData", point_data, xml)?;
+                            if !cell_data.is_empty() {
+                                write_data("CellData", cell_data, xml)?;
+                            }
+                            write_points(positions, xml)?;
+                            write_cells(cells, xml)
+                        })?;
+                    Ok(())
+                })?;
             Ok(())
         })?;
     xml.get_mut().write_all(b"\n")
 }
 
-fn write_piece<W: Write>(surface: &Surface<'_>, xml: &mut Writer<W>) -> io::Result<()> {
-    xml.create_element("Piece")
-        .with_attribute((
-            "NumberOfPoints",
-            surface.positions.len().to_string().as_str(),
-        ))
-        .with_attribute(("NumberOfCells", surface.faces.len().to_string().as_str()))
-        .write_inner_content(|xml| {
-            write_points(surface, xml)?;
-            write_cells(surface, xml)
-        })?;
-    Ok(())
-}
-
-fn write_points<W: Write>(surface: &Surface<'_>, xml: &mut Writer<W>) -> io::Result<()> {
-    xml.create_element("PointData").write_inner_content(|xml| {
-        for attribute in surface.attributes {
-            let numbers = attribute.values.iter().map(|value| value.to_le_bytes());
-            write_array(xml, &attribute.name, "Float64", 1, numbers)?;
+fn write_data<W: Write>(name: &str, data: &[Data<'_>], xml: &mut Writer<W>) -> io::Result<()> {
+    xml.create_element(name).write_inner_content(|xml| {
+        for &(name, components, values) in data {
+            let numbers = values.iter().map(|value| value.to_le_bytes());
+            write_array(xml, name, "Float64", components, numbers)?;
         }
         Ok(())
     })?;
+    Ok(())
+}
+
+fn write_points<W: Write>(positions: &[Point3<f64>], xml: &mut Writer<W>) -> io::Result<()> {
     xml.create_element("Points").write_inner_content(|xml| {
-        let numbers = surface.positions.iter().flat_map(|p| [p.x, p.y, p.z]);
+        let numbers = positions.iter().flat_map(|p| [p.x, p.y, p.z]);
         write_array(xml, "Points", "Float64", 3, numbers.map(f64::to_le_bytes))
     })?;
     Ok(())
 }
 
-fn write_cells<W: Write>(surface: &Surface<'_>, xml: &mut Writer<W>) -> io::Result<()> {
+fn write_cells<W: Write>(cells: &Cells<'_>, xml: &mut Writer<W>) -> io::Result<()> {
     xml.create_element("Cells").write_inner_content(|xml| {
-        let corners = surface
-            .faces
-            .iter()
-            .flatten()
-            .map(|&vertex| i64::from(vertex));
+        let vertices = cells.vertices.iter().map(|&vertex| i64::from(vertex));
         write_array(
             xml,
             "connectivity",
             "Int64",
             1,
-            corners.map(i64::to_le_bytes),
+            vertices.map(i64::to_le_bytes),
         )?;
-        let ends = (1..=surface.faces.len() as i64).map(|face| 3 * face);
+        let count = cells.vertices.len() / cells.corners;
+        let ends = (1..=count).map(|cell| (cells.corners * cell) as i64);
         write_array(xml, "offsets", "Int64", 1, ends.map(i64::to_le_bytes))?;
-        let kinds = surface.faces.iter().map(|_| [VTK_TRIANGLE]);
-        write_array(xml, "types", "UInt8", 1, kinds)
+        write_array(xml, "types", "UInt8", 1, (0..count).map(|_| [cells.kind]))
     })?;
     Ok(())
 }

@@ -6,7 +6,11 @@ use std::path::Path;
 
 use msplines_common::mesh::PolygonSoup;
 use msplines_common::mesh::curves::CurveNetwork;
-use msplines_io::{Array, Creases, ReadError, parse_creases, parse_curves, parse_npy, parse_soup};
+use msplines_common::mesh::tet::TetSoup;
+use msplines_io::{
+    Array, Creases, ReadError, parse_creases, parse_curves, parse_npy, parse_soup, parse_tetgen,
+    parse_tets,
+};
 use peak_alloc::PeakAlloc;
 use proptest::prelude::*;
 
@@ -33,6 +37,138 @@ fn curve_seeds() -> Vec<(&'static str, Vec<u8>)> {
                 .to_vec(),
         ),
         ("a.creases", b"# i j s\n1 2 3.5\n2 2 10\n".to_vec()),
+    ]
+}
+
+const XML: &str = "<VTKFile type='UnstructuredGrid'><UnstructuredGrid><Piece>\n";
+
+/// End of a grid in text, after its points.
+const CELLS: &str = "<Cells><DataArray type='Int64' Name='connectivity'>0 1 2 3</DataArray>\
+    <DataArray type='Int64' Name='offsets'>4</DataArray>\
+    <DataArray type='UInt8' Name='types'>10</DataArray></Cells></Piece>\n</UnstructuredGrid>";
+
+/// One tetrahedron in the text of each format of solids; TetGen's files stand one after another.
+fn solid_seeds() -> Vec<(&'static str, Vec<u8>)> {
+    let points = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+    let marked = points.replace('\n', " 0\n");
+    let nodes = "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n9 0 0 1\n$EndNodes";
+    let texts = [
+        (
+            "a.mesh",
+            format!(
+                "MeshVersionFormatted 2 Dimension 3 Vertices 4\n{marked}Triangles 1 1 2 3 0\n\
+                     Tetrahedra\n1\n1 2 3 4 0\nEnd"
+            ),
+        ),
+        (
+            "a.msh",
+            format!(
+                "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n{nodes}\n$Elements\n2\n\
+                     1 2 1 0 1 2 3\n2 4 2 0 1 1 2 3 9\n$EndElements\n"
+            ),
+        ),
+        (
+            "a.msh",
+            format!(
+                "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n\
+                     {points}$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n"
+            ),
+        ),
+        (
+            "a.vtk",
+            format!(
+                "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\n\
+                     POINTS 4 float\n{points}CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n"
+            ),
+        ),
+        (
+            "a.vtu",
+            format!(
+                "{XML}<Points><DataArray type='Float64'>{points}</DataArray></Points>\n\
+                     {CELLS}</VTKFile>"
+            ),
+        ),
+        (
+            "a.ele",
+            "4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n|1 4 0\n1 1 2 3 4\n".to_owned(),
+        ),
+    ];
+    texts.map(|(name, text)| (name, text.into_bytes())).to_vec()
+}
+
+fn compressed_grid() -> Vec<u8> {
+    let packed = XML.replace("Grid'>", "Grid' compressor='vtkZLibDataCompressor'>");
+    let zlib = format!(
+        "{packed}<Points><DataArray type='Float32' format='binary'>AQAAADAAAAAwAAAAEAAAAA==\
+         eJxjYEAGDfYMBPgAJ70CPg==</DataArray></Points>\n{CELLS}</VTKFile>"
+    );
+    zlib.into_bytes()
+}
+
+fn raw_grid() -> Vec<u8> {
+    let mut raw = format!(
+        "{XML}<Points><DataArray type='Float64' format='appended' offset='0'/></Points>\n\
+         {CELLS}<AppendedData encoding=\"raw\">_"
+    )
+    .into_bytes();
+    raw.extend([96, 0, 0, 0]);
+    raw.extend([0; 96]);
+    raw
+}
+
+/// One tetrahedron in each binary format of solids.
+fn binary_solid_seeds() -> Vec<(&'static str, Vec<u8>)> {
+    let longs = |values: &[i64]| {
+        values
+            .iter()
+            .flat_map(|x| x.to_le_bytes())
+            .collect::<Vec<u8>>()
+    };
+    let ints = |values: &[i32]| {
+        values
+            .iter()
+            .flat_map(|x| x.to_le_bytes())
+            .collect::<Vec<u8>>()
+    };
+    let gmsh = [
+        b"$MeshFormat\n4.1 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Nodes\n".to_vec(),
+        [
+            longs(&[1, 4, 1, 4]),
+            ints(&[3, 1, 0]),
+            longs(&[4, 1, 2, 3, 4]),
+        ]
+        .concat(),
+        vec![0; 96],
+        b"\n$EndNodes\n$Elements\n".to_vec(),
+        [
+            longs(&[1, 1, 1, 1]),
+            ints(&[3, 1, 4]),
+            longs(&[1, 1, 1, 2, 3, 4]),
+        ]
+        .concat(),
+        b"\n$EndElements\n".to_vec(),
+    ];
+    let big = |values: &[i64]| {
+        values
+            .iter()
+            .flat_map(|x| x.to_be_bytes())
+            .collect::<Vec<u8>>()
+    };
+    let legacy = [
+        b"# vtk DataFile Version 5.1\nt\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n"
+            .to_vec(),
+        vec![0; 48],
+        b"\nCELLS 2 4\nOFFSETS vtktypeint64\n".to_vec(),
+        big(&[0, 4]),
+        b"\nCONNECTIVITY vtktypeint64\n".to_vec(),
+        big(&[0, 1, 2, 3]),
+        b"\nCELL_TYPES 1\n\0\0\0\x0a".to_vec(),
+    ];
+    vec![
+        ("a.msh", gmsh.concat()),
+        ("a.vtk", legacy.concat()),
+        ("a.vtu", compressed_grid()),
+        ("a.vtu", raw_grid()),
     ]
 }
 
@@ -164,6 +300,7 @@ fn apply(damage: &Damage, file: &mut Vec<u8>) {
 #[derive(Debug)]
 enum Content {
     Soup(PolygonSoup),
+    Tets(TetSoup),
     Array(Array),
     Curves(CurveNetwork),
     Creases(Creases),
@@ -174,6 +311,12 @@ fn parse(path: &Path, file: &[u8]) -> Result<Content, ReadError> {
     match extension {
         Some("npy") => parse_npy(path, file).map(Content::Array),
         Some("curves" | "svg") => parse_curves(path, file).map(Content::Curves),
+        Some("mesh" | "msh" | "vtk" | "vtu") => parse_tets(path, file).map(Content::Tets),
+        Some("ele") => {
+            let middle = file.iter().position(|&b| b == b'|').unwrap_or(file.len());
+            let (node, ele) = file.split_at(middle);
+            parse_tetgen((path, node), (path, ele.get(1..).unwrap_or_default())).map(Content::Tets)
+        }
         Some("creases") => parse_creases(path, file).map(Content::Creases),
         _ => parse_soup(path, file).map(Content::Soup),
     }
@@ -186,10 +329,10 @@ proptest! {
 
     #[test]
     fn damage_is_answered_in_bounded_memory(
-        which in 0..12usize,
+        which in 0..22usize,
         damage in prop::collection::vec(damages(), 0..4),
     ) {
-        let (name, mut file) = [seeds(), curve_seeds()].concat().swap_remove(which);
+        let (name, mut file) = [seeds(), curve_seeds(), solid_seeds(), binary_solid_seeds()].concat().swap_remove(which);
         damage.iter().for_each(|damage| apply(damage, &mut file));
         let before = ALLOCATOR.current_usage();
         ALLOCATOR.reset_peak_usage();
@@ -205,6 +348,7 @@ proptest! {
                     prop_assert_eq!(attribute.values.len(), soup.positions.len());
                 }
             }
+            Ok(Content::Tets(soup)) => prop_assert!(!soup.cells.is_empty()),
             Ok(Content::Array(array)) => {
                 let count = array.shape.iter().fold(1, |product: usize, &n| product.saturating_mul(n));
                 prop_assert_eq!(array.values.len(), count);

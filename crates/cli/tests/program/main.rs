@@ -5,4 +5,5 @@ mod exit_codes;
 mod files;
 mod hostile;
 mod manifold;
+mod solid;
 mod workbench;

@@ -8,6 +8,7 @@
 mod accept;
 mod connectivity;
 mod cover;
+mod crossings;
 mod decimate;
 mod defect;
 mod disjoint_sets;
@@ -32,10 +33,12 @@ mod repair_tests;
 pub mod curves;
 pub mod polygon;
 pub mod shapes;
+pub mod tet;
 pub mod zoo;
 
 pub use accept::{Accepted, Policy, PreflightError, accept};
 pub use cover::double_cover;
+pub use crossings::self_crossings;
 pub use decimate::{DecimateError, Decimated, decimate};
 pub use defect::{Defect, Remedy};
 pub use facts::{Facts, Range};

@@ -114,6 +114,17 @@ impl Topology {
         Ok(topology)
     }
 
+    /// Returns the connectivity of no face.
+    pub(super) fn empty() -> Self {
+        Self {
+            faces: Vec::new(),
+            twins: Vec::new(),
+            vertex_half_edges: Vec::new(),
+            half_edge_edges: Vec::new(),
+            edge_half_edges: Vec::new(),
+        }
+    }
+
     /// Returns the number of vertices.
     #[must_use]
     pub fn vertex_count(&self) -> usize {

@@ -35,6 +35,15 @@ impl TriangleMesh {
         })
     }
 
+    /// Returns the mesh of a connectivity that is shared; there is one position per vertex.
+    pub(super) fn from_shared(topology: Arc<Topology>, positions: Vec<Point3<f64>>) -> Self {
+        debug_assert_eq!(topology.vertex_count(), positions.len());
+        Self {
+            topology,
+            positions,
+        }
+    }
+
     /// Returns the mesh of the same connectivity with other positions.
     ///
     /// # Panics

@@ -1,6 +1,8 @@
 //! What one run is asked to do, as plain data.
 
+mod edit;
 mod manifold;
+mod solid;
 
 use std::fmt;
 use std::path::PathBuf;
@@ -10,9 +12,11 @@ use msplines_biharmonic::Scheme;
 use serde::{Deserialize, Serialize};
 
 use crate::animation::Frames;
-use crate::generated::{ChartFunction, ControlShape, GeneratedSurface, NetworkShape};
+use crate::generated::{ChartFunction, ControlShape, GeneratedSurface, NetworkShape, SolidShape};
 
+pub use edit::{Edit, Move};
 pub use manifold::{ChartMethod, Creases, CurveNetworkMethod, Polygons, SparseManifoldMethod};
+pub use solid::{Cut, Filler, LatticeMove, SolidMap, TrivariateMethod};
 
 /// One run: an input, the data on it, a method with its options, and what to write.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,7 +47,7 @@ pub struct Case {
     /// Another surface that the distance of the spline is measured to as well.
     pub reference: Option<PathBuf>,
     /// Files to write: surfaces (`.ply`, `.obj`, `.vtu`, `.glb`), values (`.npy`) and splines
-    /// (`.json`).
+    /// (`.json`); of solids also cells (`.vtu`, `.hex.vtu`, `.msh`, `.mesh`) and G+Smo's `.xml`.
     pub outputs: Vec<PathBuf>,
     /// How a spline file names its domain.
     pub domain: DomainStorage,
@@ -90,7 +94,10 @@ impl Case {
                     creases = Some(path);
                 }
             }
-            Method::LsMesh { .. } | Method::CurveNetwork(_) | Method::Chart(_) => {}
+            Method::LsMesh { .. }
+            | Method::CurveNetwork(_)
+            | Method::Chart(_)
+            | Method::Trivariate(_) => {}
         }
         if let Data::Array(values) = &mut self.data {
             data = Some(values);
@@ -127,29 +134,6 @@ pub enum Task {
     Frames(Frames),
 }
 
-/// Control points that are moved.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Edit {
-    /// The moves, all at once.
-    pub moves: Vec<Move>,
-    /// Whether what the spline leaves of the data is added to the result.
-    pub keep_detail: bool,
-}
-
-/// Control points around a place that are moved together.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Move {
-    /// The place, as fractions of the sides of the bounding box.
-    pub at: [f64; 3],
-    /// By how much, as fractions of the diagonal of the bounding box.
-    pub by: [f64; 3],
-    /// Distance within which control points move, as a fraction of the diagonal; the nearest one
-    /// always does.
-    pub within: f64,
-}
-
 /// Where the domain mesh comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -169,6 +153,8 @@ pub enum Input {
     Network(NetworkShape),
     /// A function of a chart made from a name.
     Chart(ChartFunction),
+    /// A solid made from a name.
+    Solid(SolidShape),
 }
 
 /// What is fitted at the vertices.
@@ -218,6 +204,8 @@ pub enum Method {
     CurveNetwork(Box<CurveNetworkMethod>),
     /// The function of a single chart.
     Chart(ChartMethod),
+    /// Trivariate spline of a solid.
+    Trivariate(Box<TrivariateMethod>),
 }
 
 impl Method {
@@ -251,6 +239,7 @@ impl Method {
             Self::SparseManifold(_) => "sparse-manifold",
             Self::CurveNetwork(_) => "curve-network",
             Self::Chart(_) => "chart",
+            Self::Trivariate(_) => "trivariate",
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::{FieldColours, FieldScale, FieldSurface};
+
 /// A figure: panels side by side.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -37,6 +39,8 @@ pub struct Panel {
     pub frame: Option<usize>,
     /// The attribute of its stored surface that is shown; only with [`Show::Field`].
     pub field: Option<String>,
+    /// The surface that carries it, the spline's own where absent; only with [`Show::Field`].
+    pub on: Option<FieldSurface>,
     /// What that attribute looks like, [`FieldColours::Sequential`] where absent; only with
     /// [`Show::Field`].
     pub colours: Option<FieldColours>,
@@ -78,33 +82,6 @@ pub enum Show {
     Target,
 }
 
-/// What the numbers of a field look like.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum FieldColours {
-    /// From the lowest to the highest.
-    #[default]
-    Sequential,
-    /// Signed: the two signs apart, zero in the middle.
-    Diverging,
-    /// Whole numbers that name cells; cells that touch have different colours, and what is
-    /// negative is in no cell.
-    Cells,
-    /// The attributes `red`, `green` and `blue` as they are.
-    Values,
-}
-
-/// Whose numbers the colours of a field span.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum FieldScale {
-    /// Those of all panels of the figure that show the field of this name.
-    #[default]
-    Shared,
-    /// Those of the panel alone.
-    Own,
-}
-
 impl Panel {
     /// Returns how its field is coloured.
     #[must_use]
@@ -115,6 +92,7 @@ impl Panel {
     /// Returns which fields contradict each other, and what to write.
     pub(super) fn problem(&self) -> Option<&'static str> {
         let says_how = self.field.is_some()
+            || self.on.is_some()
             || self.colours.is_some()
             || self.scale.is_some()
             || self.span.is_some();
@@ -143,7 +121,7 @@ impl Panel {
             }
             (Show::Field, _) => None,
             _ if says_how => {
-                Some("`field`, `colours`, `scale` and `span` go with `show = \"field\"` only")
+                Some("`field`, `on`, `colours`, `scale` and `span` go with `show = \"field\"` only")
             }
             _ => None,
         }

@@ -1,12 +1,15 @@
 //! Experiments: one file per table or figure of a paper, with what it prints and what we say to it.
 
 mod column;
+mod field;
 mod figure;
 mod manifold;
 mod network;
 mod over_time;
+mod printed;
 mod property;
 mod row;
+mod solid;
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -14,15 +17,15 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 pub use column::{Column, Notation};
-pub use figure::{
-    Axis, Callout, Corner, Edges, FieldColours, FieldScale, Figure, Panel, Plot, Show, UpAxis,
-    ViewHint,
-};
+pub use field::{FieldColours, FieldScale, FieldSurface};
+pub use figure::{Axis, Callout, Corner, Edges, Figure, Panel, Plot, Show, UpAxis, ViewHint};
 pub use manifold::{LocalName, RowManifold, Settings, Tags};
 pub use network::RowNetwork;
 pub use over_time::RowFrames;
+pub use printed::{Printed, Recorded};
 pub use property::{Measured, Property, splines};
-pub use row::{Ancestors, MethodName, Printed, Recorded, Row, RowData};
+pub use row::{Ancestors, MethodName, Row, RowData};
+pub use solid::{FitName, RowSolid, first_level};
 
 /// The schema of [`Experiment`].
 pub const EXPERIMENT_SCHEMA: &str = "msplines.experiment/1";

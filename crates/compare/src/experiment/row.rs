@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use msplines_biharmonic::Selection;
 use serde::{Deserialize, Serialize};
 
-use super::{RowFrames, RowManifold, RowNetwork};
+use super::{Printed, Recorded, RowFrames, RowManifold, RowNetwork, RowSolid};
 use crate::case::{
     Amount, AmountError, Case, CaseCreases, ChartMethod, Data, Input, Knots, Method, Task, Weights,
 };
-use crate::generated::{ChartFunction, ControlShape, GeneratedSurface, NetworkShape};
+use crate::generated::{ChartFunction, ControlShape, GeneratedSurface, NetworkShape, SolidShape};
 
 /// One row of an experiment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,6 +40,8 @@ pub struct Row {
     pub manifold: Option<RowManifold>,
     /// Options of a surface over a curve network.
     pub network: Option<RowNetwork>,
+    /// Options of a trivariate spline.
+    pub solid: Option<RowSolid>,
     /// Frames of an animation, in place of one surface.
     pub over_time: Option<RowFrames>,
     /// How knots are chosen; the method's default where absent.
@@ -113,6 +115,8 @@ pub enum MethodName {
     CurveNetwork,
     /// The function of a single chart.
     Chart,
+    /// Trivariate spline of a solid.
+    Trivariate,
 }
 
 impl MethodName {
@@ -125,6 +129,7 @@ impl MethodName {
             Self::SparseManifold => "sparse-manifold",
             Self::CurveNetwork => "curve-network",
             Self::Chart => "chart",
+            Self::Trivariate => "trivariate",
         }
     }
 
@@ -147,6 +152,7 @@ impl MethodName {
             Self::SparseManifold => "sparse manifold",
             Self::CurveNetwork => "surface over curves",
             Self::Chart => "single chart",
+            Self::Trivariate => "trivariate spline",
         }
     }
 }
@@ -182,36 +188,6 @@ impl RowData {
     }
 }
 
-/// What a paper prints. Errors are fractions, times seconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Printed {
-    /// Vertices of the paper's mesh.
-    pub vertices: Option<u64>,
-    /// Mean error over the vertices.
-    pub error: Option<f64>,
-    /// Peak signal-to-noise ratio in decibels.
-    pub psnr_db: Option<f64>,
-    /// Knot optimisation.
-    pub select_seconds: Option<f64>,
-    /// Fit at the chosen knots.
-    pub fit_seconds: Option<f64>,
-    /// Evaluation.
-    pub evaluate_seconds: Option<f64>,
-    /// Iterations of the knot optimisation.
-    pub iterations: Option<u32>,
-}
-
-/// Our own value of a row, against regression.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Recorded {
-    /// Mean error over the vertices.
-    pub error: f64,
-    /// How far it may get worse, as a fraction.
-    pub tolerance: f64,
-}
-
 /// Files of other rows that a row needs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Ancestors {
@@ -238,7 +214,10 @@ impl Row {
         let takes_places = match self.method {
             MethodName::Biharmonic => true,
             MethodName::LsMesh => false,
-            MethodName::SparseManifold | MethodName::CurveNetwork | MethodName::Chart => {
+            MethodName::SparseManifold
+            | MethodName::CurveNetwork
+            | MethodName::Chart
+            | MethodName::Trivariate => {
                 let given = self.knots.is_some() || self.knots_from.is_some();
                 let title = self.method.title();
                 return given.then(|| format!("a {title} has no knots; leave them out"));
@@ -270,6 +249,9 @@ impl Row {
         if self.network.is_some() && self.method != MethodName::CurveNetwork {
             return Some("`network` goes with surfaces over curves; leave it out");
         }
+        if self.solid.is_some() && self.method != MethodName::Trivariate {
+            return Some("`solid` goes with trivariate splines; leave it out");
+        }
         None
     }
 
@@ -292,6 +274,10 @@ impl Row {
         if self.method == MethodName::Chart {
             let chart = name.parse::<ChartFunction>().map_err(|e| e.to_string())?;
             return Ok(Input::Chart(chart));
+        }
+        if self.method == MethodName::Trivariate && name.starts_with("box-") {
+            let solid = name.parse::<SolidShape>().map_err(|e| e.to_string())?;
+            return Ok(Input::Solid(solid));
         }
         if self.takes_control_mesh() {
             let shape = name.parse::<ControlShape>().map_err(|e| e.to_string())?;
@@ -359,6 +345,10 @@ impl Row {
             (MethodName::CurveNetwork, _) => {
                 let options = self.network.clone().unwrap_or_default();
                 Method::CurveNetwork(Box::new(options.method()))
+            }
+            (MethodName::Trivariate, _) => {
+                let options = self.solid.clone().unwrap_or_default();
+                Method::Trivariate(Box::new(options.method()))
             }
         };
         if let Method::Biharmonic(method) = &mut method {

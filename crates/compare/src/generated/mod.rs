@@ -4,6 +4,7 @@ mod chart;
 mod colours;
 mod control;
 mod network;
+mod solid;
 
 use std::fmt;
 use std::str::FromStr;
@@ -19,6 +20,7 @@ pub(crate) use chart::{Height, Sampled, grid};
 pub use colours::{colour_image, colour_pattern};
 pub use control::{ControlShape, UnknownShape};
 pub use network::{NetworkShape, UnknownNetwork};
+pub use solid::{SolidShape, UnknownSolid};
 
 /// About how many vertices each surface has.
 const VERTICES: usize = 20_000;

@@ -1,6 +1,7 @@
 //! Tables for people: the judged errors, the costs, and the notes below them.
 
 use crate::campaign::{ItemReport, RowReport, Times};
+use crate::experiment::Column;
 use crate::models::Provenance;
 use crate::verdict::Regression;
 
@@ -80,7 +81,17 @@ pub fn error_table(item: &ItemReport) -> Table {
     if has_distance {
         header.push("distance, rms");
     }
-    header.extend(item.columns.iter().map(|column| column.title.as_str()));
+    let columns: Vec<(&Column, bool)> = item
+        .columns
+        .iter()
+        .map(|column| (column, is_printed(item, column)))
+        .collect();
+    let titles = columns.iter().flat_map(|(column, printed)| {
+        let paper = printed.then(|| format!("{}, paper", column.title));
+        paper.into_iter().chain([column.title.clone()])
+    });
+    let titles: Vec<String> = titles.collect();
+    header.extend(titles.iter().map(String::as_str));
     let cells = |report: &RowReport| {
         let mut cells = error_cells(report);
         if has_distance {
@@ -90,10 +101,13 @@ pub fn error_table(item: &ItemReport) -> Table {
             }));
         }
         let record = report.result.record();
-        cells.extend(item.columns.iter().map(|column| {
-            let value = record.and_then(|record| record.number(&column.path));
-            Cell::number(value, |v| column.notation.show(v))
-        }));
+        for (column, printed) in &columns {
+            let show = |value: Option<f64>| Cell::number(value, |v| column.notation.show(v));
+            if *printed {
+                cells.push(show(printed_value(report, column)));
+            }
+            cells.push(show(record.and_then(|record| record.number(&column.path))));
+        }
         cells
     };
     Table {
@@ -101,6 +115,17 @@ pub fn error_table(item: &ItemReport) -> Table {
         header: header.into_iter().map(str::to_owned).collect(),
         rows: item.rows.iter().map(cells).collect(),
     }
+}
+
+/// Returns what the paper prints for a column.
+fn printed_value(report: &RowReport, column: &Column) -> Option<f64> {
+    let name = column.path.strip_prefix("checks.")?;
+    report.row.printed.checks.get(name).copied()
+}
+
+fn is_printed(item: &ItemReport, column: &Column) -> bool {
+    let mut rows = item.rows.iter();
+    rows.any(|report| printed_value(report, column).is_some())
 }
 
 fn error_cells(report: &RowReport) -> Vec<Cell> {

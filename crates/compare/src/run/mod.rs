@@ -1,15 +1,16 @@
 //! One run: read, fit, evaluate what is stored, measure it, write it, and record it all.
 
 mod edits;
+mod evaluation;
 mod frames;
 mod layers;
 mod manifold;
 mod properties;
 mod shared_space;
+mod solid;
 mod sums;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::time::Instant;
 
 use msplines_common::Point3;
@@ -21,13 +22,14 @@ use crate::case::{Case, Data, DomainStorage, Input, Task};
 use crate::clock::{PhaseClock, process_usage};
 use crate::error::RunError;
 use crate::fit::{Fitted, fit};
-use crate::input::{FitData, LoadedInput, fit_data, load, load_domain};
+use crate::input::{FitData, LoadedInput, fit_data, load};
 use crate::measure::{self, Measured};
 use crate::output::{check_outputs, write_outputs};
 use crate::record::Record;
-use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
+use crate::spline_file::{SplineFile, StoredDomain, StoredMesh};
 
 pub use edits::Shift;
+pub use evaluation::{Evaluation, evaluate};
 pub use frames::ShownFrame;
 pub use manifold::Companion;
 pub(crate) use manifold::creases_file;
@@ -67,10 +69,9 @@ pub fn run(
     process_start: Instant,
     observer: &mut Observer<'_>,
 ) -> Result<RunOutput, RunError> {
-    check_outputs(&case.outputs)?;
     let mut clock = PhaseClock::start(process_start);
     announce("read", observer);
-    if let Some(output) = manifold::asked(case, &mut clock, observer) {
+    if let Some(output) = asked(case, &mut clock, observer) {
         return output;
     }
     let input = prepared(load(&case.input, &mut clock)?, case)?;
@@ -126,6 +127,21 @@ pub fn run(
         frames: Vec::new(),
         companions: Vec::new(),
     })
+}
+
+/// Runs a case whose method has a run of its own; outputs are checked before any work.
+fn asked(
+    case: &Case,
+    clock: &mut PhaseClock,
+    observer: &mut Observer<'_>,
+) -> Option<Result<RunOutput, RunError>> {
+    if let Some(output) = solid::asked(case, clock, observer) {
+        return Some(output);
+    }
+    if let Err(error) = check_outputs(&case.outputs) {
+        return Some(Err(error));
+    }
+    manifold::asked(case, clock, observer)
 }
 
 /// Does what the task of a case is.
@@ -198,97 +214,6 @@ fn fitted(
     })
 }
 
-/// What an evaluation of a spline file is asked to do.
-#[derive(Clone, Debug)]
-pub struct Evaluation {
-    /// The spline file.
-    pub spline: PathBuf,
-    /// The mesh that was fitted, where the file does not hold it.
-    pub mesh: Option<PathBuf>,
-    /// Control points that are moved before.
-    pub shifts: Vec<Shift>,
-    /// Factor of the spline, and other splines on the same mesh that are added with theirs.
-    pub sum: Option<(f64, Vec<(PathBuf, f64)>)>,
-    /// Rounds of midpoint subdivision.
-    pub subdivide: u32,
-    /// Files to write.
-    pub outputs: Vec<PathBuf>,
-    /// Seed in the record; evaluation itself uses none.
-    pub seed: u64,
-}
-
-/// Evaluates a spline file and writes the surface.
-///
-/// # Errors
-/// A spline or mesh file that cannot be used, or an output that cannot be written.
-pub fn evaluate(
-    evaluation: &Evaluation,
-    process_start: Instant,
-    observer: &mut Observer<'_>,
-) -> Result<RunOutput, RunError> {
-    check_outputs(&evaluation.outputs)?;
-    let mut clock = PhaseClock::start(process_start);
-    enter("read", &mut clock, observer);
-    let mut spline = SplineFile::read(&evaluation.spline)?;
-    if let StoredSpline::SparseManifold(_) = spline.spline {
-        return manifold::evaluate(evaluation, spline, &mut clock, observer);
-    }
-    let input = load_domain(
-        &spline,
-        evaluation.mesh.as_deref(),
-        &evaluation.spline,
-        &mut clock,
-    )?;
-    enter("domain", &mut clock, observer);
-    if let Some((factor, others)) = &evaluation.sum {
-        spline.spline = sums::sum(&spline, *factor, others, &input, &mut clock)?;
-    }
-    if !evaluation.shifts.is_empty() {
-        spline.spline = edits::shifted(&spline.spline, &evaluation.shifts, &input.mesh, observer)?;
-    }
-    enter("evaluate", &mut clock, observer);
-    let (mesh, values) = spline.spline.evaluate(&input.mesh, evaluation.subdivide)?;
-    let dimension = spline.spline.dimension();
-    check_finite(&values, dimension)?;
-    enter("measure", &mut clock, observer);
-    let names = component_names(&spline.options, dimension);
-    // Neither a frame of an animation nor a changed spline is a fit of its domain.
-    let is_frame = spline.options.get("frame").is_some();
-    let is_changed = evaluation.sum.is_some() || !evaluation.shifts.is_empty();
-    let measured = if names[0] == "x" && !is_frame && !is_changed {
-        let data = fit_data(&Data::Positions, &input)?;
-        measure::against_data(&input, &data, &values, &Data::Positions)
-    } else {
-        Measured::default()
-    };
-    enter("write", &mut clock, observer);
-    write_outputs(&evaluation.outputs, &spline, &mesh, &values, &names, &[])?;
-    clock.leave();
-    let checks = BTreeMap::from([
-        ("knots".to_owned(), json!(spline.spline.knots().len())),
-        ("evaluated_points".to_owned(), json!(mesh.vertex_count())),
-    ]);
-    let seed = evaluation.seed;
-    let summary = Summary {
-        checks,
-        outcome: Outcome::Converged,
-        measured,
-        seed,
-    };
-    let record = record(&input, &spline, summary, &mut clock);
-    Ok(RunOutput {
-        record,
-        knots: spline.spline.knot_places(&input.mesh),
-        spline,
-        mesh,
-        values,
-        names,
-        fields: Vec::new(),
-        frames: Vec::new(),
-        companions: Vec::new(),
-    })
-}
-
 /// What a record says beyond its input, spline and times.
 struct Summary {
     outcome: Outcome,
@@ -307,20 +232,6 @@ fn options(case: &Case, method: &Value) -> Value {
     options["double_cover"] = json!(case.double_cover);
     options["repair"] = json!(matches!(case.input, Input::File { repair: true, .. }));
     options
-}
-
-fn component_names(options: &Value, dimension: usize) -> Vec<String> {
-    let names = |names: [&str; 3]| names.map(str::to_owned).to_vec();
-    match serde_json::from_value(options["data"].clone()) {
-        Ok(Data::Positions) if dimension == 3 => names(["x", "y", "z"]),
-        Ok(Data::ColourPattern | Data::ColourImage) if dimension == 3 => {
-            names(["red", "green", "blue"])
-        }
-        Ok(Data::Attributes(names)) if names.len() == dimension => names,
-        _ => (0..dimension)
-            .map(|component| format!("value_{component}"))
-            .collect(),
-    }
 }
 
 fn domain(case: &Case, input: &LoadedInput) -> StoredDomain {

@@ -53,12 +53,13 @@ impl SharedSpace {
                 options: ls_mesh_options(*controls, *selection, *constraints, mesh)?,
                 space: Box::new(ls_mesh::Space::assemble(mesh)?),
             }),
-            Method::SparseManifold(_) | Method::CurveNetwork(_) | Method::Chart(_) => {
-                Err(RunError::Task {
-                    task: "data over time",
-                    method: case.method.name(),
-                })
-            }
+            Method::SparseManifold(_)
+            | Method::CurveNetwork(_)
+            | Method::Chart(_)
+            | Method::Trivariate(_) => Err(RunError::Task {
+                task: "data over time",
+                method: case.method.name(),
+            }),
         }
     }
 

@@ -6,6 +6,8 @@
 mod biharmonic;
 mod chart;
 mod manifold;
+mod mesh;
+mod trivariate;
 
 use std::io::Write;
 use std::path::Path;
@@ -22,6 +24,8 @@ use crate::error::{RunError, SplineFileError};
 pub use biharmonic::StoredBiharmonic;
 pub use chart::StoredLocal;
 pub use manifold::{StoredChart, StoredManifold, StoredPolygons};
+pub use mesh::StoredMesh;
+pub use trivariate::{StoredCube, StoredTrivariate};
 
 /// The schema of [`SplineFile`].
 pub const SPLINE_SCHEMA: &str = "msplines.spline/1";
@@ -61,43 +65,11 @@ pub enum StoredDomain {
         /// Positions and faces.
         polygons: StoredPolygons,
     },
-}
-
-/// A triangle mesh in a spline file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct StoredMesh {
-    /// Position of every vertex.
-    pub positions: Vec<[f64; 3]>,
-    /// Corners of every face, zero-based.
-    pub faces: Vec<[u32; 3]>,
-}
-
-impl StoredMesh {
-    /// Returns the stored form of a mesh.
-    #[must_use]
-    pub fn of(mesh: &TriangleMesh) -> Self {
-        Self {
-            positions: mesh.positions().iter().map(|p| [p.x, p.y, p.z]).collect(),
-            faces: mesh.faces().to_vec(),
-        }
-    }
-
-    /// Returns the mesh.
-    ///
-    /// # Errors
-    /// Positions that are not finite, or faces that are not an oriented manifold.
-    pub fn restore(&self) -> Result<TriangleMesh, SplineFileError> {
-        let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
-        if let Some(vertex) = self.positions.iter().position(|p| !finite(p)) {
-            return Err(SplineFileError::NotFinite {
-                what: "position",
-                index: vertex,
-            });
-        }
-        let positions = self.positions.iter().map(|&p| Point3::from(p)).collect();
-        Ok(TriangleMesh::build(positions, self.faces.clone())?)
-    }
+    /// The unit cube.
+    Cube {
+        /// What was mapped to it.
+        cube: StoredCube,
+    },
 }
 
 /// The numbers of a spline, from which it is evaluated again.
@@ -121,6 +93,8 @@ pub enum StoredSpline {
     SparseManifold(StoredManifold),
     /// The function of a single chart.
     Chart(StoredLocal),
+    /// A trivariate spline.
+    Trivariate(StoredTrivariate),
 }
 
 impl StoredSpline {
@@ -142,10 +116,7 @@ impl StoredSpline {
     pub(crate) fn biharmonic(&self, task: &'static str) -> Result<&StoredBiharmonic, RunError> {
         match self {
             Self::Biharmonic(stored) => Ok(stored),
-            Self::LsMesh { .. } | Self::SparseManifold(_) | Self::Chart(_) => Err(RunError::Task {
-                task,
-                method: self.method(),
-            }),
+            _ => Err(self.without(task)),
         }
     }
 
@@ -156,10 +127,25 @@ impl StoredSpline {
     pub(crate) fn manifold(&self, task: &'static str) -> Result<&StoredManifold, RunError> {
         match self {
             Self::SparseManifold(stored) => Ok(stored),
-            Self::Biharmonic(_) | Self::LsMesh { .. } | Self::Chart(_) => Err(RunError::Task {
-                task,
-                method: self.method(),
-            }),
+            _ => Err(self.without(task)),
+        }
+    }
+
+    /// Returns the trivariate spline that this is.
+    ///
+    /// # Errors
+    /// A spline of another method, which does not have the `task`.
+    pub(crate) fn trivariate(&self, task: &'static str) -> Result<&StoredTrivariate, RunError> {
+        match self {
+            Self::Trivariate(stored) => Ok(stored),
+            _ => Err(self.without(task)),
+        }
+    }
+
+    fn without(&self, task: &'static str) -> RunError {
+        RunError::Task {
+            task,
+            method: self.method(),
         }
     }
 
@@ -171,6 +157,7 @@ impl StoredSpline {
             Self::LsMesh { .. } => "ls-mesh",
             Self::SparseManifold(_) => "sparse-manifold",
             Self::Chart(_) => "chart",
+            Self::Trivariate(_) => "trivariate",
         }
     }
 
@@ -180,7 +167,7 @@ impl StoredSpline {
         match self {
             Self::Biharmonic(spline) => spline.dimension,
             Self::LsMesh { dimension, .. } => *dimension,
-            Self::SparseManifold(_) => 3,
+            Self::SparseManifold(_) | Self::Trivariate(_) => 3,
             Self::Chart(_) => 1,
         }
     }
@@ -191,7 +178,7 @@ impl StoredSpline {
         match self {
             Self::Biharmonic(spline) => &spline.knots,
             Self::LsMesh { controls, .. } => controls,
-            Self::SparseManifold(_) | Self::Chart(_) => &[],
+            Self::SparseManifold(_) | Self::Chart(_) | Self::Trivariate(_) => &[],
         }
     }
 
@@ -203,7 +190,10 @@ impl StoredSpline {
     pub fn knot_places(&self, mesh: &TriangleMesh) -> Vec<Point3<f64>> {
         let added = match self {
             Self::Biharmonic(spline) => spline.added_points.as_slice(),
-            Self::LsMesh { .. } | Self::SparseManifold(_) | Self::Chart(_) => &[],
+            Self::LsMesh { .. }
+            | Self::SparseManifold(_)
+            | Self::Chart(_)
+            | Self::Trivariate(_) => &[],
         };
         let place = |&knot: &u32| match mesh.positions().get(knot as usize) {
             Some(vertex) => *vertex,
@@ -260,6 +250,7 @@ impl StoredSpline {
                 Ok(spline.extension_by(scheme, rounds)?)
             }
             Self::SparseManifold(_) | Self::Chart(_) => Err(SplineFileError::Polygons),
+            Self::Trivariate(_) => Err(SplineFileError::Cube),
             Self::LsMesh { .. } if rounds > 0 => Err(SplineFileError::VerticesOnly),
             Self::LsMesh {
                 dimension,

@@ -63,6 +63,53 @@ pub enum WriteError {
         /// The file.
         path: PathBuf,
     },
+    /// The extension tells no format of solids.
+    #[error("{} asks for no known format of solids; name it .mesh, .msh or .vtu", path.display())]
+    UnknownVolumeFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A format without Bézier cells.
+    #[error("{} asks for a format that has no Bézier cells; name it .vtu", path.display())]
+    BezierFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Control points that do not fill whole cells.
+    #[error(
+        "{points} control points do not fill cells of {per_cell}; give all points of every cell"
+    )]
+    BezierPoints {
+        /// Number of control points of all cells.
+        points: usize,
+        /// Those of a cell.
+        per_cell: usize,
+    },
+    /// A cell names a vertex that does not exist.
+    #[error("cell {cell} names vertex {vertex}, but there are {vertices} vertices")]
+    CellIndexOutOfRange {
+        /// The cell.
+        cell: usize,
+        /// The index it holds.
+        vertex: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// A field has not its number of components per vertex or cell.
+    #[error(
+        "field `{name}` has {values} values for {count} vertices or cells of {components} each; \
+         give that many for each"
+    )]
+    FieldLength {
+        /// The field.
+        name: String,
+        /// How many values it has.
+        values: usize,
+        /// How many each vertex or cell should have.
+        components: usize,
+        /// How many vertices or cells there are.
+        count: usize,
+    },
     /// The file cannot be written.
     #[error(
         "cannot write {}: {source}; check that its folder exists, may be written and has room",

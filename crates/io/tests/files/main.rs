@@ -12,3 +12,4 @@ mod output;
 mod ply;
 mod round_trip;
 mod stl;
+mod volume;

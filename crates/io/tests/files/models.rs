@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use msplines_io::read_soup;
+use msplines_common::mesh::Policy;
+use msplines_common::mesh::tet;
+use msplines_io::{read_soup, read_tets};
 
 /// Returns where model files are, if they are.
 fn models(folder: &str) -> Option<PathBuf> {
@@ -55,5 +57,31 @@ fn known_files_have_their_known_sizes() {
             (vertices, faces),
             "{name}"
         );
+    }
+}
+
+#[test]
+fn solids_of_the_library_are_clean_and_of_known_size() {
+    let Some(folder) = models("tet") else {
+        println!("not run: solids_of_the_library_are_clean_and_of_known_size");
+        return;
+    };
+    let sizes = [
+        ("armadillo13k.mesh", 13_230, 54_985, 17_296, 0),
+        ("bone.mesh", 8_316, 30_798, 12_088, 0),
+        ("bunny_500.mesh", 638, 2_245, 996, 0),
+        ("octopus_low.mesh", 452, 1_140, 898, 0),
+        ("rocker_arm.mesh", 16_782, 70_920, 20_088, 1),
+    ];
+    for (name, vertices, cells, boundary, genus) in sizes {
+        let soup = read_tets(&folder.join(name)).unwrap();
+        let mesh = tet::accept(&soup, Policy::Refuse).unwrap().mesh;
+        assert_eq!(
+            (mesh.vertex_count(), mesh.cell_count()),
+            (vertices, cells),
+            "{name}"
+        );
+        assert_eq!(mesh.boundary().face_count(), boundary, "{name}");
+        assert_eq!(mesh.require_sphere().is_ok(), genus == 0, "{name}");
     }
 }

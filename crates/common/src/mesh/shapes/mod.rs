@@ -10,6 +10,7 @@ mod networks;
 mod round;
 mod sharp;
 mod sketches;
+mod solids;
 
 pub use control::{box_surface, jittered, quad_patch, slab_with_holes, trapezohedron, voxels};
 pub use grid::{cylinder, height_field, torus, torus_knot, vase};
@@ -18,6 +19,7 @@ pub use networks::{KnownNetwork, limit_network};
 pub use round::{bumpy_sphere, sphere};
 pub use sharp::{cube, nut};
 pub use sketches::{Opening, dome_network, mushroom_network};
+pub use solids::box_solid;
 
 use nalgebra::Point3;
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use msplines_common::mesh::TriangleMesh;
+use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_io::read_npy;
 
 use crate::input::read_surface;
@@ -32,6 +32,43 @@ impl Companions {
         Ok(Self {
             control: surface(files, "control")?,
             target: surface(files, "target").ok(),
+            spline: lines(files, "spline")?,
+        })
+    }
+}
+
+/// A surface that carries numbers.
+pub(super) struct FieldMesh {
+    pub(super) mesh: TriangleMesh,
+    pub(super) lines: Lines,
+    pub(super) attributes: Vec<VertexAttribute>,
+}
+
+/// The surfaces beside the spline of a solid.
+pub(super) struct SolidSurfaces {
+    /// The input.
+    pub(super) input: FieldMesh,
+    /// The solid cut open, where the cut leaves something.
+    pub(super) cut: Option<FieldMesh>,
+    /// Lines on the boundary of the spline.
+    pub(super) spline: Lines,
+}
+
+impl SolidSurfaces {
+    /// Returns what the folder of a row holds.
+    pub(super) fn load(files: &Path) -> Result<Self, String> {
+        let field_mesh = |name: &str| -> Result<FieldMesh, String> {
+            let read = read_surface(&files.join(companion_surface(name)));
+            let (mesh, attributes) = read.map_err(|e| e.to_string())?;
+            Ok(FieldMesh {
+                mesh,
+                lines: lines(files, name)?,
+                attributes,
+            })
+        };
+        Ok(Self {
+            input: field_mesh("input")?,
+            cut: field_mesh("cut").ok(),
             spline: lines(files, "spline")?,
         })
     }

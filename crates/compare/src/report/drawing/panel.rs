@@ -70,7 +70,8 @@ pub(super) fn draw(
     let fitted = (panel.show == Show::Error).then(|| fitted_input(source));
     let mesh = match (panel.show, &fitted) {
         (_, Some(fitted)) => fitted,
-        (Show::Spline | Show::Field, None) => &source.spline,
+        (Show::Spline, None) => &source.spline,
+        (Show::Field, None) => source.shown(panel.on.unwrap_or_default())?.0,
         (Show::Target, None) => &source.target()?.0,
         (Show::Input | Show::Knots | Show::Error, None) => framed(panel, source),
     };
@@ -108,7 +109,8 @@ fn stage<'a>(
     let is_image = panel.show == Show::Spline;
     let lines = match panel.show {
         Show::Input => source.lines().map(|[control, _]| control),
-        Show::Spline | Show::Field => source.lines().map(|[_, spline]| spline),
+        Show::Spline => source.lines().map(|[_, spline]| spline),
+        Show::Field => source.field_lines(panel.on.unwrap_or_default()),
         Show::Target => source.target().ok().map(|target| &target.1),
         Show::Error | Show::Knots => None,
     };
@@ -118,10 +120,8 @@ fn stage<'a>(
         (Edges::Domain, Show::Spline | Show::Field) => source.domain_edges(),
         (Edges::Domain, _) => edges(mesh.faces()),
     };
-    let creases = match (panel.edges, lines) {
-        (Edges::Domain, Some(lines)) => lines.creases.clone(),
-        _ => Vec::new(),
-    };
+    let creases = lines.filter(|_| panel.edges == Edges::Domain);
+    let creases = creases.map_or_else(Vec::new, |lines| lines.creases.clone());
     let facets = match panel.show {
         Show::Spline | Show::Target => false,
         Show::Field => lines.is_none(),

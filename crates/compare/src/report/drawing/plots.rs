@@ -87,6 +87,7 @@ fn series(rows: &[&RowReport], axes: [Axis; 2]) -> Vec<Line> {
         MethodName::SparseManifold,
         MethodName::CurveNetwork,
         MethodName::Chart,
+        MethodName::Trivariate,
     ] {
         for row in rows.iter().filter(|row| row.row.method == method) {
             let record = row.result.record();

@@ -8,12 +8,12 @@ use msplines_common::mesh::{Decimated, TriangleMesh, VertexAttribute, decimate, 
 use msplines_io::read_points;
 use msplines_picture::{Rgb, edges};
 
-use super::companions::{Companions, Lines};
+use super::companions::{Companions, Lines, SolidSurfaces};
 use super::frames;
 use crate::campaign::{RowReport, Sources};
 use crate::case::Input;
 use crate::clock::PhaseClock;
-use crate::experiment::{MethodName, RowData, ViewHint};
+use crate::experiment::{FieldSurface, MethodName, RowData, ViewHint};
 use crate::input::{FitData, LoadedInput, fit_data, load, read_surface};
 use crate::output::{ROW_KNOTS, ROW_SURFACE};
 
@@ -24,6 +24,10 @@ const LIGHT_VERTICES: usize = 12_000;
 
 /// Why errors cannot be shown at the vertices of a control mesh.
 const NO_DATA: &str = "control vertices have no data; show the field `distance_to_limit` instead";
+
+/// Why errors of a solid are shown on its input only.
+const NO_VERTICES: &str =
+    "a solid has no vertices of its input; show the field `error` on the input instead";
 
 /// A domain that is loaded by whoever asks first.
 type Loading = Arc<OnceLock<Result<Arc<Domain>, String>>>;
@@ -57,12 +61,12 @@ impl Domains {
 }
 
 impl Domain {
-    /// Returns the control mesh of a row as a domain.
-    fn of_control(companions: &Companions, report: &RowReport) -> Result<Self, String> {
+    /// Returns a mesh that the run of a row left as its domain.
+    fn of_row(mesh: &TriangleMesh, report: &RowReport) -> Result<Self, String> {
         let facts = report.result.record().ok_or_else(missing)?.input.clone();
         Ok(Self {
             loaded: LoadedInput {
-                mesh: companions.control.0.clone(),
+                mesh: mesh.clone(),
                 facts,
                 attributes: Vec::new(),
                 warnings: Vec::new(),
@@ -97,11 +101,16 @@ pub(super) struct Source {
     pub(super) knots: Vec<Point3<f64>>,
     /// A control mesh and what is approximated, where the method has them.
     companions: Option<Companions>,
+    /// Surfaces beside the spline of a solid.
+    solid: Option<SolidSurfaces>,
     /// Rounds of subdivision from the input to the spline.
     rounds: u32,
     /// Where it is seen from.
     pub(super) view: ViewHint,
 }
+
+/// A surface with the numbers at its vertices and the lines on it.
+pub(super) type Shown<'a> = (&'a TriangleMesh, &'a [VertexAttribute], Option<&'a Lines>);
 
 /// A fit beside its data.
 pub(super) struct Fitted {
@@ -128,8 +137,13 @@ impl Source {
                 .as_ref()
                 .is_none_or(|m| m.scan.is_none());
         let companions = has_charts.then(|| Companions::load(files)).transpose()?;
-        let domain = match &companions {
-            Some(companions) if has_own_input => Arc::new(Domain::of_control(companions, report)?),
+        let is_solid = report.row.method == MethodName::Trivariate;
+        let solid = is_solid.then(|| SolidSurfaces::load(files)).transpose()?;
+        let domain = match (&companions, &solid) {
+            (Some(companions), _) if has_own_input => {
+                Arc::new(Domain::of_row(&companions.control.0, report)?)
+            }
+            (_, Some(solid)) => Arc::new(Domain::of_row(&solid.input.mesh, report)?),
             _ => domains.load(input)?,
         };
         let (frame, spline, attributes) =
@@ -143,16 +157,20 @@ impl Source {
             };
         let knots = read_points(&files.join(ROW_KNOTS));
         let knots = match report.row.method {
-            MethodName::SparseManifold | MethodName::CurveNetwork => Vec::new(),
+            MethodName::SparseManifold | MethodName::CurveNetwork | MethodName::Trivariate => {
+                Vec::new()
+            }
             _ => knots.map_err(|e| e.to_string())?,
         };
         Ok(Self {
             fitted: match &frame {
                 None if has_charts => Err(NO_DATA.to_owned()),
+                None if is_solid => Err(NO_VERTICES.to_owned()),
                 Some(original) => Ok(Fitted::of_frame(original, &spline, &domain.loaded)),
                 None => Fitted::of(report.row.data, &domain.loaded, &spline, &attributes),
             },
             companions,
+            solid,
             frame,
             spline,
             attributes,
@@ -163,11 +181,32 @@ impl Source {
         })
     }
 
-    /// Returns an attribute of the stored surface, `[vertex]`, or says which there are.
-    pub(super) fn attribute(&self, name: &str) -> Result<&[f64], String> {
-        let found = self.attributes.iter().find(|a| a.name == name);
+    /// Returns a surface that carries numbers, with them and the lines on it.
+    pub(super) fn shown(&self, on: FieldSurface) -> Result<Shown<'_>, String> {
+        let beside = match (on, &self.solid) {
+            (FieldSurface::Spline, _) => {
+                let lines = self.lines().map(|[_, spline]| spline);
+                return Ok((&self.spline, &self.attributes, lines));
+            }
+            (FieldSurface::Input, Some(solid)) => Some(&solid.input),
+            (FieldSurface::Cut, Some(solid)) => solid.cut.as_ref(),
+            (_, None) => None,
+        };
+        let found = beside.map(|s| (&s.mesh, s.attributes.as_slice(), Some(&s.lines)));
+        found.ok_or_else(|| format!("its run left no surface `{}` with fields", on.name()))
+    }
+
+    /// Returns the lines on a surface that carries numbers, where there are any.
+    pub(super) fn field_lines(&self, on: FieldSurface) -> Option<&Lines> {
+        self.shown(on).ok()?.2
+    }
+
+    /// Returns an attribute of a surface, `[vertex]`, or says which there are.
+    pub(super) fn attribute(&self, on: FieldSurface, name: &str) -> Result<&[f64], String> {
+        let attributes = self.shown(on)?.1;
+        let found = attributes.iter().find(|a| a.name == name);
         found.map(|a| a.values.as_slice()).ok_or_else(|| {
-            let names: Vec<&str> = self.attributes.iter().map(|a| a.name.as_str()).collect();
+            let names: Vec<&str> = attributes.iter().map(|a| a.name.as_str()).collect();
             let names = if names.is_empty() {
                 "none".to_owned()
             } else {
@@ -186,6 +225,9 @@ impl Source {
 
     /// Returns the lines on the control mesh, and those on the spline, where there are any.
     pub(super) fn lines(&self) -> Option<[&Lines; 2]> {
+        if let Some(solid) = &self.solid {
+            return Some([&solid.input.lines, &solid.spline]);
+        }
         let companions = self.companions.as_ref()?;
         Some([&companions.control.1, &companions.spline])
     }

@@ -68,7 +68,7 @@ impl<'a> Subject<'a> {
             Ok(colours.map_or(Values::Bare, |both| Values::Colours(both[index].clone())))
         };
         let values = match panel.show {
-            // Charts have no data at vertices, and nothing to colour.
+            // Charts and solids have no data at vertices, and nothing to colour.
             Show::Input | Show::Spline if source.lines().is_some() => Ok(Values::Bare),
             Show::Input => of_data(0),
             Show::Spline => of_data(1),
@@ -92,9 +92,10 @@ impl<'a> Subject<'a> {
 
 fn field(panel: &Panel, source: &Source) -> Result<Values, String> {
     let name = panel.field.as_deref().unwrap_or_default();
+    let on = panel.on.unwrap_or_default();
     match panel.field_colours() {
         how @ (FieldColours::Sequential | FieldColours::Diverging) => {
-            let values = source.attribute(name)?.to_vec();
+            let values = source.attribute(on, name)?.to_vec();
             let measure = Measure::Field {
                 name: name.to_owned(),
                 colours: how,
@@ -102,9 +103,9 @@ fn field(panel: &Panel, source: &Source) -> Result<Values, String> {
             };
             Ok(Values::Scalars { values, measure })
         }
-        FieldColours::Cells => cells(name, source.attribute(name)?, &source.spline),
+        FieldColours::Cells => cells(name, source.attribute(on, name)?, source.shown(on)?.0),
         FieldColours::Values => {
-            let channels = CHANNELS.map(|channel| source.attribute(channel));
+            let channels = CHANNELS.map(|channel| source.attribute(on, channel));
             let [red, green, blue] = channels;
             let (red, green, blue) = (red?, green?, blue?);
             let mut values: Vec<f64> = (0..red.len())

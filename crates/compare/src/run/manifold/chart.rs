@@ -249,6 +249,7 @@ impl StarMesh {
             mesh,
             edges: self.spokes.clone(),
             creases: Vec::new(),
+            fields: Vec::new(),
         };
         vec![
             lines("spline", None),

@@ -59,6 +59,7 @@ pub(super) fn load(
         Input::Surface(surface) => return Err(no_control_mesh(surface)),
         Input::Network(network) => return Err(no_control_mesh(network)),
         Input::Chart(chart) => return Err(no_control_mesh(chart)),
+        Input::Solid(solid) => return Err(no_control_mesh(solid)),
     };
     clock.leave();
     let facts = facts(&mesh, file.clone(), sha256);
@@ -126,7 +127,9 @@ pub(super) fn domain_of(
 ) -> Result<PolygonMesh, RunError> {
     match (&spline.domain, &evaluation.mesh) {
         (StoredDomain::Polygons { polygons }, _) => Ok(polygons.restore()?),
-        (StoredDomain::Embedded { .. }, _) => Err(SplineFileError::Polygons.into()),
+        (StoredDomain::Embedded { .. } | StoredDomain::Cube { .. }, _) => {
+            Err(SplineFileError::Polygons.into())
+        }
         (StoredDomain::Digest { sha256, .. }, None) => Err(SplineFileError::DomainMissing {
             sha256: sha256.clone(),
         }

@@ -93,6 +93,7 @@ pub(crate) fn companions(
         mesh: None,
         edges: edges.clone(),
         creases: creases.clone(),
+        fields: Vec::new(),
     });
     if let Some(mesh) = quads_in_triangles(&control.mesh) {
         let [edges, creases] = edge_lines(topology, is_sharp, 1);
@@ -101,6 +102,7 @@ pub(crate) fn companions(
             mesh: Some(mesh),
             edges,
             creases,
+            fields: Vec::new(),
         });
     }
     let target = match &problem.scan {
@@ -113,6 +115,7 @@ pub(crate) fn companions(
             mesh: Some(mesh),
             edges,
             creases,
+            fields: Vec::new(),
         });
     }
     companions

@@ -9,7 +9,7 @@ mod scan;
 use std::collections::BTreeMap;
 
 use msplines_common::Point3;
-use msplines_common::mesh::TriangleMesh;
+use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_common::metrics::{SurfaceTree, VertexError, distance, vertex_error};
 use msplines_common::progress::{Observer, Outcome};
 use msplines_sparse_manifold::{Fit, Report, SparseManifold, Tessellation, Tessellator, fit_to};
@@ -46,6 +46,8 @@ pub struct Companion {
     pub edges: Vec<[u32; 2]>,
     /// Those of them that are sharp.
     pub creases: Vec<[u32; 2]>,
+    /// Numbers at its vertices.
+    pub fields: Vec<VertexAttribute>,
 }
 
 /// Runs a case whose method is a manifold; nothing for another one.
@@ -58,7 +60,7 @@ pub(super) fn asked(
         Method::SparseManifold(method) => Some(run(case, method, clock, observer)),
         Method::CurveNetwork(method) => Some(network::run(case, method, clock, observer)),
         Method::Chart(method) => Some(chart::run(case, method, clock, observer)),
-        Method::Biharmonic(_) | Method::LsMesh { .. } => None,
+        Method::Biharmonic(_) | Method::LsMesh { .. } | Method::Trivariate(_) => None,
     }
 }
 

@@ -151,7 +151,7 @@ fn load(case: &Case) -> Result<Loaded, RunError> {
                 truth,
             })
         }
-        Input::Surface(_) | Input::Control(_) | Input::Chart(_) => {
+        Input::Surface(_) | Input::Control(_) | Input::Chart(_) | Input::Solid(_) => {
             Err(refused("this is no curve network".to_owned()))
         }
     }
@@ -194,6 +194,7 @@ fn companions(loaded: &Loaded, domain: &NetworkDomain, cells: u32) -> Vec<Compan
         mesh: None,
         edges,
         creases,
+        fields: Vec::new(),
     }];
     companions.extend(bars(&loaded.network));
     if let Some(truth) = &loaded.truth {
@@ -202,6 +203,7 @@ fn companions(loaded: &Loaded, domain: &NetworkDomain, cells: u32) -> Vec<Compan
             mesh: Some(truth.mesh().clone()),
             edges: Vec::new(),
             creases: Vec::new(),
+            fields: Vec::new(),
         });
     }
     companions
@@ -244,6 +246,7 @@ fn bars(network: &CurveNetwork) -> Option<Companion> {
         mesh: Some(TriangleMesh::build(positions, triangles).ok()?),
         edges: Vec::new(),
         creases,
+        fields: Vec::new(),
     })
 }
 

@@ -1,0 +1,112 @@
+//! One axis of an array.
+
+/// One axis of an array of several: where its numbers stand.
+///
+/// The number `index` of the line `(outer, inner)` stands at
+/// `(outer * count + index) * inner_count + inner`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Axis {
+    /// Numbers that vary slower: the product of the sizes of the axes after this one.
+    pub outer: usize,
+    /// Numbers along the axis.
+    pub count: usize,
+    /// Numbers that vary faster: the product of the sizes of the axes before this one, times the
+    /// components of a number.
+    pub inner: usize,
+}
+
+impl Axis {
+    /// Returns axis `axis` of an array of `sizes`, the first of which varies fastest, with `components`
+    /// numbers side by side at each place.
+    #[must_use]
+    pub fn of(sizes: &[usize], axis: usize, components: usize) -> Self {
+        Self {
+            outer: sizes[axis + 1..].iter().product(),
+            count: sizes[axis],
+            inner: sizes[..axis].iter().product::<usize>() * components,
+        }
+    }
+
+    /// Numbers of the whole array.
+    #[must_use]
+    pub fn len(self) -> usize {
+        self.outer * self.count * self.inner
+    }
+
+    /// Whether the array is empty.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.len() == 0
+    }
+
+    /// Applies a matrix with few entries in a row along the axis: row `r` of the result is the sum of
+    /// `weights[r][p]` times the numbers `first[r] + p`.
+    ///
+    /// # Panics
+    /// If the rows differ in number, reach beyond the axis, or `values` is not an array of this shape.
+    #[must_use]
+    pub fn apply<const W: usize>(
+        self,
+        first: &[usize],
+        weights: &[[f64; W]],
+        values: &[f64],
+    ) -> Vec<f64> {
+        assert_eq!(values.len(), self.len(), "an array of this shape");
+        assert_eq!(first.len(), weights.len(), "one first column for each row");
+        let mut out = vec![0.0; self.outer * first.len() * self.inner];
+        if out.is_empty() {
+            return out;
+        }
+        let (source, target) = (self.count * self.inner, first.len() * self.inner);
+        for (block, result) in values
+            .chunks_exact(source)
+            .zip(out.chunks_exact_mut(target))
+        {
+            for (row, line) in result.chunks_exact_mut(self.inner).enumerate() {
+                for (p, &weight) in weights[row].iter().enumerate() {
+                    let start = (first[row] + p) * self.inner;
+                    let column = &block[start..start + self.inner];
+                    for (sum, &value) in line.iter_mut().zip(column) {
+                        *sum += weight * value;
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// Applies the transpose of what [`apply`](Self::apply) applies; `values` has as many numbers
+    /// along the axis as there are rows, the result has `count`.
+    ///
+    /// # Panics
+    /// As [`apply`](Self::apply).
+    #[must_use]
+    pub fn apply_transposed<const W: usize>(
+        self,
+        first: &[usize],
+        weights: &[[f64; W]],
+        values: &[f64],
+    ) -> Vec<f64> {
+        let (target, source) = (self.count * self.inner, first.len() * self.inner);
+        assert_eq!(values.len(), self.outer * source, "one line for each row");
+        let mut out = vec![0.0; self.len()];
+        if out.is_empty() || source == 0 {
+            return out;
+        }
+        for (block, result) in values
+            .chunks_exact(source)
+            .zip(out.chunks_exact_mut(target))
+        {
+            for (row, line) in block.chunks_exact(self.inner).enumerate() {
+                for (p, &weight) in weights[row].iter().enumerate() {
+                    let start = (first[row] + p) * self.inner;
+                    let column = &mut result[start..start + self.inner];
+                    for (sum, &value) in column.iter_mut().zip(line) {
+                        *sum += weight * value;
+                    }
+                }
+            }
+        }
+        out
+    }
+}
