@@ -121,9 +121,7 @@ fn fair_paths_bring_splines_nearer() {
 fn corners_that_cannot_be_are_refused() {
     let sphere = shapes::sphere(400);
     let refused = |corners: [u32; 8]| {
-        build(Solid::Surface(&sphere), Corners::Given(corners))
-            .err()
-            .expect("an error")
+        build(Solid::Surface(&sphere), Corners::Given(corners)).expect_err("an error")
     };
     let beyond = refused([0, 1, 2, 3, 4, 5, 6, 4000]);
     assert!(
