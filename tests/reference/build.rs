@@ -20,7 +20,8 @@ fn main() {
         .flag_if_supported("-Wno-deprecated-declarations")
         .warnings(false)
         .compile("msplines-reference");
-    for library in ["OpenMeshCore", "osdCPU", "cholmod"] {
+    // CGAL is headers alone; its rational numbers are GMP's.
+    for library in ["OpenMeshCore", "osdCPU", "cholmod", "gmp"] {
         println!("cargo::rustc-link-lib={library}");
     }
     println!("cargo::rerun-if-changed=cpp");

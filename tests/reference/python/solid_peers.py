@@ -1,8 +1,8 @@
-"""Answers one question about solids: JSON on standard input, JSON on standard output.
+"""Answers questions about solids: a line of JSON on standard input, a line on standard output.
 
 A question is an object whose member `ask` names a function below; its other members are the
 arguments. Numbers go both ways with all their digits. VTK and meshio read and write meshes, VTK
-evaluates Bézier cells and measures hexahedra, SciPy evaluates tensor products.
+evaluates Bézier cells and measures hexahedra, SciPy evaluates tensor products. An exception ends it.
 """
 
 import json
@@ -196,22 +196,24 @@ def gismo_points(path, parameters):
     }
 
 
-QUESTIONS = [
-    versions,
-    vtk_reads,
-    meshio_reads,
-    bezier_points,
-    hexahedra_quality,
-    write_tetrahedra,
-    gismo_points,
-]
+QUESTIONS = {
+    function.__name__: function
+    for function in [
+        versions,
+        vtk_reads,
+        meshio_reads,
+        bezier_points,
+        hexahedra_quality,
+        write_tetrahedra,
+        gismo_points,
+    ]
+}
 
 
 def main():
-    question = json.load(sys.stdin)
-    name = question.pop("ask")
-    answer = next(function for function in QUESTIONS if function.__name__ == name)(**question)
-    json.dump(answer, sys.stdout)
+    for line in sys.stdin:
+        question = json.loads(line)
+        print(json.dumps(QUESTIONS[question.pop("ask")](**question)), flush=True)
 
 
 if __name__ == "__main__":

@@ -3,13 +3,13 @@
 //! `cargo xtask test reference` installs them below `target`.
 
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::OnceLock;
 
 use serde::de::DeserializeOwned;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Python of the environment with the packages, seen from the folder of this package.
 const PYTHON: &str = "../../target/solid_peers/bin/python";
@@ -28,23 +28,14 @@ pub enum PythonError {
         /// Where it should be.
         path: PathBuf,
     },
-    /// The process cannot be run.
-    #[error("Python cannot be asked `{question}`: {source}")]
-    Process {
+    /// The process cannot be started or spoken to.
+    #[error("Python cannot be asked: {0}")]
+    Process(#[from] io::Error),
+    /// The script ended instead of answering.
+    #[error("Python ended when asked `{question}`; standard error says why")]
+    Ended {
         /// The question.
         question: String,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// The script failed.
-    #[error("Python was asked `{question}` and ended with {status}:\n{errors}")]
-    Failed {
-        /// The question.
-        question: String,
-        /// How it ended.
-        status: ExitStatus,
-        /// What it wrote to standard error.
-        errors: String,
     },
     /// The answer is not what was asked for.
     #[error("the answer to `{question}` is not as expected: {source}")]
@@ -56,56 +47,69 @@ pub enum PythonError {
     },
 }
 
-/// Returns the answer to a question: a function of the script and its arguments, an object of JSON.
-///
-/// # Errors
-/// The environment is absent, the script fails, or its answer is of another form.
-pub fn ask<T: DeserializeOwned>(question: &str, arguments: &Value) -> Result<T, PythonError> {
-    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let path = package.join(PYTHON);
-    if !path.exists() {
-        return Err(PythonError::Absent { path });
-    }
-    let mut asked = arguments.clone();
-    asked["ask"] = question.into();
-    let mut command = Command::new(path);
-    command
-        .arg(package.join(SCRIPT))
-        .env(ONE_THREAD.0, ONE_THREAD.1);
-    let (status, output, errors) =
-        converse(&mut command, &asked).map_err(|source| PythonError::Process {
-            question: question.to_owned(),
-            source,
-        })?;
-    if !status.success() {
-        return Err(PythonError::Failed {
-            question: question.to_owned(),
-            status,
-            errors: String::from_utf8_lossy(&errors).into_owned(),
-        });
-    }
-    serde_json::from_slice(&output).map_err(|source| PythonError::Answer {
-        question: question.to_owned(),
-        source,
-    })
+/// A process that answers questions; it ends with this value.
+#[derive(Debug)]
+pub struct Python {
+    child: Child,
+    answers: BufReader<ChildStdout>,
 }
 
-/// Runs a program with this on its standard input; returns how it ended and what it wrote.
-fn converse(command: &mut Command, asked: &Value) -> io::Result<(ExitStatus, Vec<u8>, Vec<u8>)> {
-    let mut child = command
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()?;
-    if let Some(mut input) = child.stdin.take() {
-        // The script reads all of it before it writes; if it dies before, its status says so.
-        match input.write_all(asked.to_string().as_bytes()) {
-            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => return Err(error),
-            _ => {}
+impl Python {
+    /// Starts the process.
+    ///
+    /// # Errors
+    /// The environment is absent or cannot be run.
+    pub fn start() -> Result<Self, PythonError> {
+        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let path = package.join(PYTHON);
+        if !path.exists() {
+            return Err(PythonError::Absent { path });
         }
+        let mut child = Command::new(path)
+            .arg(package.join(SCRIPT))
+            .env(ONE_THREAD.0, ONE_THREAD.1)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()?;
+        let answers = child.stdout.take().ok_or(io::ErrorKind::BrokenPipe);
+        let answers = BufReader::new(answers.map_err(io::Error::from)?);
+        Ok(Self { child, answers })
     }
-    let ended = child.wait_with_output()?;
-    Ok((ended.status, ended.stdout, ended.stderr))
+
+    /// Returns the answer to a question: a function of the script and its arguments, an object of JSON.
+    ///
+    /// # Errors
+    /// The script ends instead, or its answer is of another form.
+    pub fn ask<T: DeserializeOwned>(
+        &mut self,
+        question: &str,
+        arguments: &Value,
+    ) -> Result<T, PythonError> {
+        let mut asked = arguments.clone();
+        asked["ask"] = question.into();
+        let question = || question.to_owned();
+        let input = self.child.stdin.as_mut().ok_or(io::ErrorKind::BrokenPipe);
+        let input = input.map_err(io::Error::from)?;
+        writeln!(input, "{asked}")?;
+        input.flush()?;
+        let mut answer = String::new();
+        if self.answers.read_line(&mut answer)? == 0 {
+            let question = question();
+            return Err(PythonError::Ended { question });
+        }
+        serde_json::from_str(&answer).map_err(|source| PythonError::Answer {
+            question: question(),
+            source,
+        })
+    }
+}
+
+impl Drop for Python {
+    fn drop(&mut self) {
+        // The script ends with its input.
+        drop(self.child.stdin.take());
+        let _ended = self.child.wait();
+    }
 }
 
 /// Returns the version of one of the Python packages.
@@ -116,7 +120,8 @@ fn converse(command: &mut Command, asked: &Value) -> io::Result<(ExitStatus, Vec
 pub fn version(package: &str) -> String {
     static VERSIONS: OnceLock<BTreeMap<String, String>> = OnceLock::new();
     let versions = VERSIONS.get_or_init(|| {
-        ask("versions", &serde_json::json!({})).unwrap_or_else(|error| panic!("{error}"))
+        let found = Python::start().and_then(|mut python| python.ask("versions", &json!({})));
+        found.unwrap_or_else(|error| panic!("{error}"))
     });
     versions[package].clone()
 }

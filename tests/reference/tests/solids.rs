@@ -73,8 +73,8 @@ fn orientations_are_the_same() {
     let mut comparison = Comparison::new("differing orientations", Library::Cgal, 0.0, why);
     let mut counts = [0; 3];
     for (name, tetrahedra) in tetrahedra() {
-        // The last magnitudes where products of three coordinates neither overflow nor underflow.
-        for scale in [1.0, 1e-80, 1e80] {
+        // The last two are beyond where products of three coordinates overflow or underflow.
+        for scale in [1.0, 1e-80, 1e80, 1e-150, 1e150] {
             let scaled = |corners: &Tetrahedron| corners.map(|p| p * scale);
             let scaled: Vec<Tetrahedron> = tetrahedra.iter().map(scaled).collect();
             let theirs = cgal_orientations(&scaled);
