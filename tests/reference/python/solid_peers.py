@@ -211,9 +211,12 @@ QUESTIONS = {
 
 
 def main():
+    # What libraries print goes where it disturbs no answer.
+    answers, sys.stdout = sys.stdout, sys.stderr
     for line in sys.stdin:
         question = json.loads(line)
-        print(json.dumps(QUESTIONS[question.pop("ask")](**question)), flush=True)
+        answer = QUESTIONS[question.pop("ask")](**question)
+        print(json.dumps(answer), file=answers, flush=True)
 
 
 if __name__ == "__main__":

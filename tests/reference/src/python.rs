@@ -3,6 +3,7 @@
 //! `cargo xtask test reference` installs them below `target`.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
@@ -19,7 +20,7 @@ const SCRIPT: &str = "python/solid_peers.py";
 const ONE_THREAD: (&str, &str) = ("OPENBLAS_NUM_THREADS", "1");
 
 /// Why a question has no answer.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum PythonError {
     /// The environment has not been made.
@@ -45,6 +46,13 @@ pub enum PythonError {
         /// What is wrong with it.
         source: serde_json::Error,
     },
+}
+
+// A test that ends with an error shows this form of it.
+impl fmt::Debug for PythonError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
 }
 
 /// A process that answers questions; it ends with this value.
