@@ -5,6 +5,7 @@ fn main() {
         "cpp/openmesh.cc",
         "cpp/opensubdiv.cc",
         "cpp/cgal.cc",
+        "cpp/solids.cc",
         "cpp/cholmod.cc",
     ];
     cxx_build::bridge("src/bindings.rs")
@@ -14,10 +15,13 @@ fn main() {
         // Both sides of the timing are optimised, whatever the profile of the tests.
         .opt_level(3)
         .define("NDEBUG", None)
+        // CGAL's interval arithmetic is wrong where the compiler assumes one way of rounding.
+        .flag_if_supported("-frounding-math")
         .flag_if_supported("-Wno-deprecated-declarations")
         .warnings(false)
         .compile("msplines-reference");
-    for library in ["OpenMeshCore", "osdCPU", "cholmod"] {
+    // CGAL is headers alone; its rational numbers are GMP's.
+    for library in ["OpenMeshCore", "osdCPU", "cholmod", "gmp"] {
         println!("cargo::rustc-link-lib={library}");
     }
     println!("cargo::rerun-if-changed=cpp");

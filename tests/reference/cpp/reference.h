@@ -17,6 +17,8 @@ struct Measures;
 struct Control;
 struct PolygonLevel;
 struct PolygonRefinement;
+struct Tetrahedron;
+struct DelaunayMesh;
 
 MeshFacts openmesh_facts(Positions positions, Faces faces);
 Surface openmesh_loop(Positions positions, Faces faces);
@@ -27,6 +29,11 @@ PolygonRefinement opensubdiv_refine(const Control& control);
 Measures cgal_measures(Positions positions, Faces faces);
 rust::Vec<double> cgal_face_cotangents(Positions positions, Faces faces);
 rust::Vec<double> cgal_cotangent_weights(Positions positions, Faces flaps);
+
+rust::Vec<std::int8_t> cgal_orientations(Positions corners);
+rust::Vec<Tetrahedron> cgal_tetrahedra(Positions corners);
+DelaunayMesh cgal_delaunay(Positions positions);
+rust::Vec<std::uint32_t> cgal_self_intersections(Positions positions, Faces faces);
 
 class Cholmod {
  public:

@@ -41,6 +41,26 @@ mod ffi {
         corner_areas: Vec<f64>,
     }
 
+    /// Volume and angles that CGAL finds by rational numbers.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    struct Tetrahedron {
+        /// Volume, negative if it is inverted.
+        volume: f64,
+        /// Dihedral angles at the edges `01 02 03 12 13 23` in degrees, with a sign.
+        dihedral_degrees: [f64; 6],
+    }
+
+    /// Delaunay tetrahedra of points, and their convex hull.
+    #[derive(Clone, Debug)]
+    struct DelaunayMesh {
+        /// Corners, cell after cell, positively oriented.
+        cells: Vec<u32>,
+        /// Volume of the convex hull.
+        hull_volume: f64,
+        /// Corners of the convex hull.
+        hull_vertices: usize,
+    }
+
     /// A polygon mesh with tags, and what to do with it.
     #[derive(Clone, Debug, Default)]
     struct Control {
@@ -114,6 +134,11 @@ mod ffi {
         fn cgal_face_cotangents(positions: &[f64], faces: &[u32]) -> Vec<f64>;
         fn cgal_cotangent_weights(positions: &[f64], flaps: &[u32]) -> Vec<f64>;
         fn cgal_version() -> String;
+
+        fn cgal_orientations(corners: &[f64]) -> Vec<i8>;
+        fn cgal_tetrahedra(corners: &[f64]) -> Vec<Tetrahedron>;
+        fn cgal_delaunay(positions: &[f64]) -> DelaunayMesh;
+        fn cgal_self_intersections(positions: &[f64], faces: &[u32]) -> Result<Vec<u32>>;
 
         type Cholmod;
         fn cholmod_lower(starts: &[usize], rows: &[u32], values: &[f64]) -> UniquePtr<Cholmod>;

@@ -1,14 +1,19 @@
-//! Comparison with established libraries: OpenMesh, OpenSubdiv, CGAL and CHOLMOD.
+//! Comparison with established libraries: OpenMesh, OpenSubdiv, CGAL, CHOLMOD, and VTK, meshio and
+//! SciPy in Python.
 //!
-//! The functions here return what those libraries find on a [`TriangleMesh`], a polygon mesh or a
-//! sparse matrix; the tests of this package set it beside what this project finds, and leave the
-//! largest deviation of each quantity in `target/reference` through [`record::Comparison`].
+//! The functions here return what those libraries find on a [`TriangleMesh`], a polygon mesh, a
+//! sparse matrix, tetrahedra or a file; the tests of this package set it beside what this project
+//! finds, and leave the largest deviation of each quantity in `target/reference` through
+//! [`record::Comparison`].
 
 mod bindings;
 pub mod cholmod;
 pub mod meshes;
 pub mod polygon;
+pub mod python;
 pub mod record;
+pub mod solids;
+pub mod splines;
 
 use msplines_common::mesh::TriangleMesh;
 use nalgebra::Point3;
@@ -60,14 +65,23 @@ pub enum Library {
     OpenMesh,
     /// Catmull-Clark subdivision with creases, and its limits.
     OpenSubdiv,
-    /// Areas, volumes and cotangents.
+    /// Areas, volumes, angles, predicates, Delaunay tetrahedra and self-intersections.
     Cgal,
     /// Sparse factorisation.
     Cholmod,
+    /// Bézier cells and the quality of hexahedra.
+    Vtk,
+    /// Files of meshes.
+    Meshio,
+    /// Tensor products of B-splines.
+    Scipy,
 }
 
 impl Library {
-    /// Returns the name and the version this package was compiled with.
+    /// Returns the name and the version this package was compiled with or asks.
+    ///
+    /// # Panics
+    /// If it is a Python package and cannot be asked.
     #[must_use]
     pub fn version(self) -> String {
         match self {
@@ -75,6 +89,9 @@ impl Library {
             Self::OpenSubdiv => format!("OpenSubdiv {}", bindings::opensubdiv_version()),
             Self::Cgal => format!("CGAL {}", bindings::cgal_version()),
             Self::Cholmod => format!("CHOLMOD {}", bindings::cholmod_version()),
+            Self::Vtk => format!("VTK {}", python::version("vtk")),
+            Self::Meshio => format!("meshio {}", python::version("meshio")),
+            Self::Scipy => format!("SciPy {}", python::version("scipy")),
         }
     }
 }

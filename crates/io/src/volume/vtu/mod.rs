@@ -97,6 +97,8 @@ fn describe(text: &[u8]) -> Result<(Form, Vec<Piece>), Fault> {
     reader.config_mut().check_end_names = false;
     let (mut form, mut pieces) = (Form::default(), Vec::<Piece>::new());
     let (mut part, mut open) = (Part::Other, None);
+    // Elements that are open inside of an array: what they hold is told about it, not in it.
+    let mut inside = 0;
     let mut lines = Lines {
         text,
         at: 0,
@@ -114,6 +116,7 @@ fn describe(text: &[u8]) -> Result<(Form, Vec<Piece>), Fault> {
             {
                 form = read_form(&element, line)?;
             }
+            Event::Start(_) if open.is_some() => inside += 1,
             Event::Start(element) => match element.name().as_ref() {
                 "Piece" => pieces.push(Piece::default()),
                 "Points" => part = Part::Points,
@@ -126,13 +129,12 @@ fn describe(text: &[u8]) -> Result<(Form, Vec<Piece>), Fault> {
                 let array = read_array(&element, line)?;
                 keep(array, part, &mut pieces);
             }
-            Event::Text(content) => {
-                if let Some(array) = &mut open
-                    && part != Part::Other
-                {
+            Event::Text(content) if part != Part::Other && inside == 0 => {
+                if let Some(array) = &mut open {
                     array.text.extend_from_slice(content.as_bytes());
                 }
             }
+            Event::End(_) if inside > 0 => inside -= 1,
             Event::End(element) => match element.name().as_ref() {
                 "DataArray" => open
                     .take()

@@ -164,6 +164,21 @@ fn vtu_is_read_in_every_form_and_refused_when_cut() {
     }
 }
 
+/// VTK tells the range of an array in an element inside of it.
+#[test]
+fn vtu_arrays_may_hold_elements_about_themselves() {
+    let note = "\n<InformationKey name=\"L2_NORM_RANGE\" location=\"vtkDataArray\" length=\"2\">\
+                <Value index=\"0\">0</Value><Value index=\"1\">1.75</Value>\
+                <Value index=\"2\">2</Value></InformationKey>\n</DataArray>";
+    for (form, file) in vtu_forms() {
+        // What is appended raw is no text, and holds no elements.
+        if let Ok(text) = String::from_utf8(file) {
+            let told = text.replace("\n</DataArray>", note);
+            assert_eq!(tets("a.vtu", told), expected(), "{form}");
+        }
+    }
+}
+
 #[test]
 fn vtu_faults_name_the_line_and_the_array() {
     let text = String::from_utf8(vtu_forms().remove(0).1).unwrap();
