@@ -186,7 +186,7 @@ impl Default for Certified {
             element_weight: 1e-1,
             coefficient_weight: 1e-2,
             growth: 4.0,
-            rounds: 10,
+            rounds: 20,
             evaluations: 80,
             certificate: validity::Options::default(),
         }

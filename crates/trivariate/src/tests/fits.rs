@@ -156,6 +156,43 @@ fn equations_are_sums_over_samples() {
 }
 
 #[test]
+fn the_approximate_inverse_is_exact_where_one_block_holds_all() {
+    let samples = samples(ball, 2000, 6);
+    let mut matrix = least_squares::assemble(&samples, 2, [0.0; 3]).matrix;
+    matrix.add_second_derivatives(1.0);
+    let inverse = least_squares::BlockInverse::build(&matrix);
+    let x: Vec<f64> = (0..250).map(|at| f64::from(at).sin()).collect();
+    for (found, expected) in inverse.apply(&matrix.apply(&x)).iter().zip(&x) {
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    }
+}
+
+#[test]
+fn some_blocks_are_solved_as_among_all() {
+    let samples = samples(ball, 2000, 7);
+    let mut matrix = least_squares::assemble(&samples, 8, [0.0; 3]).matrix;
+    matrix.add_second_derivatives(1.0);
+    let inverse = least_squares::BlockInverse::build(&matrix);
+    let lattice = 11_usize.pow(3);
+    let x: Vec<f64> = (0..2 * lattice).map(|at| (at as f64).cos()).collect();
+    let mut marked = vec![false; lattice];
+    (marked[0], marked[lattice - 1]) = (true, true);
+    let blocks = inverse.touching(&marked);
+    assert_eq!(blocks.len(), 2);
+    let places: Vec<usize> = inverse.places(&blocks).map(|at| at as usize).collect();
+    let pick = |x: &[f64]| -> Vec<f64> {
+        let columns = x.chunks_exact(lattice);
+        columns
+            .flat_map(|c| places.iter().map(|&at| c[at]))
+            .collect()
+    };
+    assert_eq!(
+        inverse.apply_within(&blocks, &pick(&x)),
+        pick(&inverse.apply(&x))
+    );
+}
+
+#[test]
 fn second_derivatives_are_integrated_over_the_cube() {
     let mut matrix = least_squares::Stencil::zero(7);
     matrix.add_second_derivatives(0.5);

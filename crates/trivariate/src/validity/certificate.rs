@@ -128,13 +128,18 @@ pub fn certify(spline: &TrivariateSpline, options: &Options) -> Certificate {
     certificate
 }
 
-/// How many of some spans, by their numbers, are not certified.
-pub(crate) fn uncertified(spline: &TrivariateSpline, spans: &[usize], options: &Options) -> usize {
+/// Those of some spans, by their numbers, that are not certified.
+pub(crate) fn uncertified(
+    spline: &TrivariateSpline,
+    spans: &[usize],
+    options: &Options,
+) -> Vec<usize> {
     let verdicts = judge_all(spline, spans, options);
-    verdicts
+    let open = spans
         .iter()
-        .filter(|(_, verdict)| !matches!(verdict, Verdict::Positive(_)))
-        .count()
+        .zip(&verdicts)
+        .filter(|(_, (_, verdict))| !matches!(verdict, Verdict::Positive(_)));
+    open.map(|(&span, _)| span).collect()
 }
 
 /// Volumes of spans and the verdicts on them.

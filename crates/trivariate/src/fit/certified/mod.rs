@@ -13,7 +13,10 @@
 
 mod creases;
 mod descent;
+mod elements;
 mod energy;
+mod hinges;
+mod local;
 #[cfg(test)]
 mod tests;
 
@@ -25,17 +28,22 @@ use msplines_common::progress::{Observer, Outcome, Progress};
 pub use creases::{Creases, creases};
 
 use self::descent::{Limits, descend};
-use self::energy::{Energy, Grid, Weights};
+use self::energy::Energy;
+use self::hinges::{Hinges, Places};
+use self::local::Local;
 use super::least_squares::{self, Problem, System, check, residuals, to_spline};
 use crate::error::FitError;
 use crate::measure::degenerate;
 pub use crate::options::Certified as Options;
 use crate::samples::VolumeSamples;
 use crate::spline::TrivariateSpline;
-use crate::validity::{Certificate, certify, uncertified};
+use crate::validity::{Certificate, certify};
 
-/// Evaluations between two looks at what is still wrong.
-const STRIDE: u32 = 40;
+/// Descents around what is wrong before all is looked at again.
+const MENDING_ROUNDS: u32 = 5;
+
+/// Evaluations between two looks at what is to be watched.
+const STRIDE: u32 = 20;
 
 /// Decrease of a step, against the energy, below which a round ends.
 const RESTING: f64 = 1e-4;
@@ -78,6 +86,8 @@ pub struct Report {
     pub rounds: u32,
     /// Evaluations of energy and gradient.
     pub evaluations: u32,
+    /// Evaluations around what was still wrong, all else at rest.
+    pub local_evaluations: u32,
     /// Angles along the twelve edges.
     pub creases: Creases,
 }
@@ -114,6 +124,7 @@ pub fn fit(
         stopped: n < options.least_squares.finest,
         rounds: 0,
         evaluations: 0,
+        local_evaluations: 0,
     };
     let x = enforce.run(samples, &system, before.certificate.volume, observer);
     let spline = to_spline(n, &x, problem.centre());
@@ -134,6 +145,7 @@ pub fn fit(
         max,
         rounds: enforce.rounds,
         evaluations: enforce.evaluations,
+        local_evaluations: enforce.local_evaluations,
         creases: creases(&spline),
     };
     Ok(CertifiedFit {
@@ -227,6 +239,7 @@ struct Enforce<'a> {
     stopped: bool,
     rounds: u32,
     evaluations: u32,
+    local_evaluations: u32,
 }
 
 impl Enforce<'_> {
@@ -241,76 +254,88 @@ impl Enforce<'_> {
         let options = self.options;
         let mut x = self.problem.values().to_vec();
         let mut energy = self.energy(samples, system, volume);
-        let start = energy.data(&x).max(LEAST_SQUARE);
-        energy.weights.elements *= start;
-        energy.weights.coefficients *= start;
-        energy.find_active(&x);
-        let mut bad = self.bad(&energy, &x);
-        while bad > 0 && !self.stopped && self.rounds < options.rounds {
+        let all = energy.hinges.all();
+        energy.hinges.watch(&x, &all);
+        let mut bad = energy.hinges.bad(&x, options);
+        let mut stalled = 0;
+        while !bad.is_empty() && !self.stopped && self.rounds < options.rounds {
             self.rounds += 1;
-            let before = bad;
-            let mut left = options.evaluations;
-            while left > 0 && bad > 0 {
-                let limits = Limits {
-                    evaluations: left.min(STRIDE),
-                    tolerance: RESTING,
-                };
-                let (end, used) = descend(&energy, &mut x, limits);
-                self.evaluations += used;
-                left = left.saturating_sub(used);
-                energy.find_active(&x);
-                bad = self.bad(&energy, &x);
-                if end != descent::End::Evaluations {
-                    break;
-                }
-            }
-            // Weights that moved nothing are far too small.
-            let idle = bad >= before;
-            let growth = if idle {
-                options.growth.powi(2)
-            } else {
-                options.growth
+            let before = bad.len();
+            x = match Local::around(&bad, (self.rounds, stalled), &mut energy, x) {
+                Ok(local) => self.mend(local),
+                Err(x) => self.descend_everywhere(&mut energy, &all, x),
             };
-            energy.weights.elements *= growth;
-            energy.weights.coefficients *= growth;
+            energy.hinges.watch(&x, &all);
+            bad = energy.hinges.bad(&x, options);
+            stalled += u32::from(bad.len() >= before);
+            energy.hinges.reinforce(&bad, options.growth);
             let progress = Progress::new("fit", self.rounds.into(), options.rounds.into());
-            let stop = observer(&progress.with_objective(bad as f64));
-            self.stopped = bad > 0 && stop == ControlFlow::Break(());
+            let stop = observer(&progress.with_objective(bad.len() as f64));
+            self.stopped = !bad.is_empty() && stop == ControlFlow::Break(());
         }
         x
     }
 
-    /// Spans that are not certified, all of which are watched, and degenerate elements.
-    fn bad(&self, energy: &Energy<'_>, x: &[f64]) -> usize {
-        let spline = to_spline(self.spans, x, self.problem.centre());
-        let watched: Vec<usize> = energy.active.iter().map(|(at, _)| *at).collect();
-        let spans = uncertified(&spline, &watched, &self.options.certificate);
-        let samplings = self.options.samplings.iter();
-        spans + samplings.map(|&k| degenerate(&spline, k)).sum::<usize>()
+    /// Moves all control points.
+    fn descend_everywhere(
+        &mut self,
+        energy: &mut Energy<'_>,
+        all: &Places,
+        mut x: Vec<f64>,
+    ) -> Vec<f64> {
+        let mut left = self.options.evaluations;
+        while left > 0 {
+            let limits = Limits {
+                evaluations: left.min(STRIDE),
+                tolerance: RESTING,
+            };
+            let (end, used) = descend(energy, &mut x, limits);
+            self.evaluations += used;
+            left = left.saturating_sub(used);
+            energy.hinges.watch(&x, all);
+            if end != descent::End::Evaluations {
+                break;
+            }
+        }
+        x
     }
 
+    /// Moves a few control points until nothing near them is wrong, or a few rounds are over.
+    fn mend(&mut self, local: Local<'_>) -> Vec<f64> {
+        let places = local.places();
+        let mut values = local.values();
+        for _ in 0..MENDING_ROUNDS {
+            let limits = Limits {
+                evaluations: self.options.evaluations,
+                tolerance: RESTING,
+            };
+            let (_, used) = descend(&local, &mut values, limits);
+            self.local_evaluations += used;
+            let x = local.whole(&values);
+            local.hinges.watch(&x, &places);
+            let bad = local.hinges.bad(&x, self.options);
+            if bad.is_empty() {
+                break;
+            }
+            local.hinges.reinforce(&bad, self.options.growth);
+        }
+        local.whole(&values)
+    }
+
+    /// The energy of a round, whose weights are measured by the squares at the start.
     fn energy<'a>(&self, samples: &VolumeSamples, system: &'a System, volume: f64) -> Energy<'a> {
         let start = (samples.points()[0], samples.points()[0]);
         let grow = |(low, high): (Point3<f64>, Point3<f64>), p| (low.inf(p), high.sup(p));
         let (low, high) = samples.points().iter().fold(start, grow);
+        let scale = samples.total_weight() * (high - low).norm_squared();
+        let constant = self.problem.constant();
+        let squares = system.equations.energy(self.problem.values(), constant) / scale;
+        let unit = squares.max(LEAST_SQUARE);
         Energy {
-            spans: self.spans,
             system,
-            scale: samples.total_weight() * (high - low).norm_squared(),
-            constant: self.problem.constant(),
-            volume,
-            delta: self.options.margin,
-            grids: self
-                .options
-                .samplings
-                .iter()
-                .map(|&k| Grid::build(self.spans, k))
-                .collect(),
-            active: Vec::new(),
-            weights: Weights {
-                elements: self.options.element_weight,
-                coefficients: self.options.coefficient_weight,
-            },
+            scale,
+            constant,
+            hinges: Hinges::build(self.spans, volume, self.options, unit),
         }
     }
 }

@@ -2,8 +2,11 @@
 
 use nalgebra::Point3;
 
+use super::Options;
 use super::descent::{Descent, Limits, descend};
-use super::energy::{Energy, Grid, Weights};
+use super::energy::Energy;
+use super::hinges::{Hinges, Places};
+use super::local::Local;
 use crate::VolumeSamples;
 use crate::fit::least_squares::{self, Problem};
 
@@ -25,35 +28,37 @@ fn samples() -> VolumeSamples {
     VolumeSamples::build(parameters, points).expect("samples")
 }
 
-#[test]
-fn gradients_are_differences() {
-    let (samples, options) = (samples(), least_squares::Options::default());
-    let mut problem = Problem::start(&samples, &options);
-    let (system, _) = problem.solve(4);
-    let mut energy = Energy {
-        spans: 4,
+/// What `check` says of the energy of a folded solid of `spans` spans, around its least squares.
+fn with_energy(spans: usize, check: impl FnOnce(Energy<'_>, &Options, Vec<f64>)) {
+    let (samples, squares) = (samples(), least_squares::Options::default());
+    let mut problem = Problem::start(&samples, &squares);
+    let (system, _) = problem.solve(spans);
+    let options = Options {
+        samplings: vec![3, 5],
+        margin: 0.1,
+        element_weight: 1e-3,
+        coefficient_weight: 1e-3,
+        ..Options::default()
+    };
+    let energy = Energy {
         system: &system,
         scale: 512.0,
         constant: 0.0,
-        volume: 0.1,
-        delta: 0.1,
-        grids: vec![Grid::build(4, 3), Grid::build(4, 5)],
-        active: Vec::new(),
-        weights: Weights {
-            elements: 1e-3,
-            coefficients: 1e-3,
-        },
+        hinges: Hinges::build(spans, 0.1, &options, 1.0),
     };
-    let x = problem.values().to_vec();
-    energy.find_active(&x);
-    assert!(energy.active.len() >= 32);
-    let (_, gradient) = energy.evaluate(&x);
+    check(energy, &options, problem.values().to_vec());
+}
+
+/// Asserts that a gradient is that of the values.
+fn check_gradient(function: &impl Descent, x: &[f64]) {
+    let (_, gradient) = function.evaluate(x);
+    assert!(gradient.iter().any(|slope| slope.abs() > 1e-3));
     let h = 1e-6;
     for at in (0..x.len()).step_by(37) {
         let moved = |by: f64| {
-            let mut x = x.clone();
+            let mut x = x.to_vec();
             x[at] += by;
-            energy.evaluate(&x).0
+            function.evaluate(&x).0
         };
         let slope = (moved(h) - moved(-h)) / (2.0 * h);
         assert!(
@@ -61,6 +66,56 @@ fn gradients_are_differences() {
             "{at}"
         );
     }
+}
+
+#[test]
+fn gradients_are_differences() {
+    with_energy(4, |mut energy, options, x| {
+        let all = energy.hinges.all();
+        energy.hinges.watch(&x, &all);
+        assert!(energy.hinges.bad(&x, options).spans.len() >= 32);
+        check_gradient(&energy, &x);
+    });
+}
+
+#[test]
+fn a_part_of_the_energy_changes_as_the_whole_does() {
+    with_energy(8, |mut energy, _, x| {
+        let all = energy.hinges.all();
+        energy.hinges.watch(&x, &all);
+        let one = Places {
+            spans: vec![0],
+            cells: vec![vec![], vec![]],
+        };
+        let moved = |values: &[f64]| -> Vec<f64> {
+            let step = |(at, x): (usize, &f64)| x + 0.01 * (at as f64).sin();
+            values.iter().enumerate().map(step).collect()
+        };
+        let (whole, part) = {
+            let Ok(local) = Local::around(&one, (1, 0), &mut energy, x.clone()) else {
+                panic!("one span is a small part");
+            };
+            let start = local.values();
+            check_gradient(&local, &moved(&start));
+            let part = local.evaluate(&moved(&start)).0 - local.evaluate(&start).0;
+            (local.whole(&moved(&start)), part)
+        };
+        let change = energy.evaluate(&whole).0 - energy.evaluate(&x).0;
+        assert!(
+            (change - part).abs() < 1e-12 * (1.0 + change.abs()),
+            "{change} {part}"
+        );
+        let still = whole.iter().zip(&x).filter(|(a, b)| a == b).count();
+        assert!(still > x.len() / 2, "{still} of {}", x.len());
+    });
+}
+
+#[test]
+fn what_is_far_is_not_a_small_part() {
+    with_energy(4, |mut energy, _, x| {
+        let all = energy.hinges.all();
+        assert!(Local::around(&all, (2, 0), &mut energy, x).is_err());
+    });
 }
 
 /// A narrow bent valley with its end at (1, 1).

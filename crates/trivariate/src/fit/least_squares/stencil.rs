@@ -59,15 +59,14 @@ impl Stencil {
         });
     }
 
-    /// The diagonal.
-    pub(crate) fn diagonal(&self) -> Vec<f64> {
-        let size = self.size;
-        let mut out = Vec::with_capacity(size.pow(3));
-        for (k, j) in (0..size).flat_map(|k| (0..size).map(move |j| (k, j))) {
-            let start = self.line(j, k, REACH, REACH) + REACH * size;
-            out.extend_from_slice(&self.entries[start..start + size]);
+    /// The entry of a row and a column.
+    pub(crate) fn entry(&self, row: [usize; 3], column: [usize; 3]) -> f64 {
+        let offset = |axis: usize| (column[axis] + REACH).wrapping_sub(row[axis]);
+        let [di, dj, dk] = [0, 1, 2].map(offset);
+        if di.max(dj).max(dk) >= WIDTH {
+            return 0.0;
         }
-        out
+        self.entries[self.line(row[1], row[2], dj, dk) + di * self.size + row[0]]
     }
 
     /// The product with several columns, one lattice after another.
