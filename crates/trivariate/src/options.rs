@@ -166,12 +166,11 @@ pub struct Certified {
     pub element_weight: f64,
     /// Weight of a Bernstein coefficient in the first round, likewise.
     pub coefficient_weight: f64,
-    /// By how much the weights grow from one round to the next, twice over after a round that mended
-    /// nothing.
+    /// By how much the weights of what is wrong, and of its neighbours, grow from one round to the next.
     pub growth: f64,
     /// Most rounds.
     pub rounds: u32,
-    /// Most evaluations of a round.
+    /// Most evaluations of a round over all control points, or of each of its descents over a few.
     pub evaluations: u32,
     /// How the result is certified.
     pub certificate: validity::Options,

@@ -17,7 +17,8 @@ const STRAIGHT: f64 = 3.0;
 /// Least size of a span, against the mean.
 const LEAST_SIZE: f64 = 1e-6;
 
-/// Cells and spans are watched whose elements and coefficients are below this many margins.
+/// Cells and spans are watched whose elements and coefficients are below this many margins: what is not
+/// watched folds unseen until the next look.
 const WATCHED: f64 = 12.0;
 
 /// By how much a weight may grow in all: descents only creep beyond.
@@ -43,12 +44,12 @@ pub(super) fn hinge(v: f64, delta: f64) -> (f64, f64) {
 
 /// Spans, and cells of each sampling.
 #[derive(Clone, Debug)]
-pub(super) struct Places {
+pub(super) struct Parts {
     pub(super) spans: Vec<u32>,
     pub(super) cells: Vec<Vec<u32>>,
 }
 
-impl Places {
+impl Parts {
     pub(super) fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -96,16 +97,16 @@ impl Hinges {
     }
 
     /// All spans and cells.
-    pub(super) fn all(&self) -> Places {
-        Places {
+    pub(super) fn all(&self) -> Parts {
+        Parts {
             spans: (0..self.spans.pow(3) as u32).collect(),
             cells: self.samplings.iter().map(Elements::all).collect(),
         }
     }
 
     /// Spans and cells that depend on a marked control point.
-    pub(super) fn touching(&self, marked: &[bool]) -> Places {
-        let Places { mut spans, cells } = self.all();
+    pub(super) fn touching(&self, marked: &[bool]) -> Parts {
+        let Parts { mut spans, cells } = self.all();
         let touched = |support: [Range<usize>; 3]| {
             lattice_places(self.spans + 3, support).any(|at| marked[at])
         };
@@ -115,14 +116,14 @@ impl Hinges {
             cells
         };
         let cells = self.samplings.iter().zip(cells).map(near).collect();
-        Places { spans, cells }
+        Parts { spans, cells }
     }
 
     /// The control points that some spans and cells depend on, marked.
-    pub(super) fn marked(&self, places: &Places) -> Vec<bool> {
+    pub(super) fn marked(&self, parts: &Parts) -> Vec<bool> {
         let mut marked = vec![false; (self.spans + 3).pow(3)];
-        let spans = places.spans.iter().map(|&span| self.support(span));
-        let samplings = self.samplings.iter().zip(&places.cells);
+        let spans = parts.spans.iter().map(|&span| self.support(span));
+        let samplings = self.samplings.iter().zip(&parts.cells);
         let cells = samplings
             .flat_map(|(elements, cells)| cells.iter().map(|&cell| elements.support(cell)));
         for support in spans.chain(cells) {
@@ -140,9 +141,9 @@ impl Hinges {
         [at % n, at / n % n, at / (n * n)]
     }
 
-    /// Looks among some places for what is to be watched: spans with a Bernstein coefficient and cells
+    /// Looks among some parts for what is to be watched: spans with a Bernstein coefficient and cells
     /// with an element below a few margins.
-    pub(super) fn watch(&mut self, x: &[f64], among: &Places) {
+    pub(super) fn watch(&mut self, x: &[f64], among: &Parts) {
         let least = WATCHED * self.delta;
         for (elements, among) in self.samplings.iter_mut().zip(&among.cells) {
             elements.watch(x, among, self.volume, least);
@@ -166,21 +167,21 @@ impl Hinges {
     }
 
     /// What is watched and not certified or degenerate.
-    pub(super) fn bad(&self, x: &[f64], options: &Options) -> Places {
+    pub(super) fn bad(&self, x: &[f64], options: &Options) -> Parts {
         let spline = to_spline(self.spans, x, [0.0; 3]);
         let watched: Vec<usize> = self.watched.iter().map(|span| span.at as usize).collect();
         let spans = uncertified(&spline, &watched, &options.certificate);
-        Places {
+        Parts {
             spans: spans.into_iter().map(|span| span as u32).collect(),
             cells: self.samplings.iter().map(|cells| cells.bad(x)).collect(),
         }
     }
 
-    /// Multiplies the weights of some places and those around them.
-    pub(super) fn reinforce(&mut self, places: &Places, factor: f64) {
+    /// Multiplies the weights of some parts and those around them.
+    pub(super) fn reinforce(&mut self, parts: &Parts, factor: f64) {
         let most = self.most_weight;
-        reinforce(&mut self.weights, most, self.spans, &places.spans, factor);
-        for (elements, cells) in self.samplings.iter_mut().zip(&places.cells) {
+        reinforce(&mut self.weights, most, self.spans, &parts.spans, factor);
+        for (elements, cells) in self.samplings.iter_mut().zip(&parts.cells) {
             elements.reinforce(cells, factor);
         }
     }
@@ -276,7 +277,7 @@ impl Hinges {
     }
 }
 
-/// Places of a lattice in a box.
+/// Parts of a lattice in a box.
 fn lattice_places(size: usize, [x, y, z]: [Range<usize>; 3]) -> impl Iterator<Item = usize> {
     z.flat_map(move |k| {
         let x = x.clone();

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::descent::Descent;
 use super::energy::Energy;
-use super::hinges::{Hinges, Places};
-use crate::fit::least_squares::{REACH, System};
+use super::hinges::{Hinges, Parts};
+use crate::fit::least_squares::System;
 
 /// Share of the control points up to which they are moved alone, in the first round and later: that
 /// costs more the more they are, but goes on longer.
@@ -32,16 +32,16 @@ pub(super) struct Local<'a> {
 }
 
 impl<'a> Local<'a> {
-    /// The energy around some places, or the start if they are too many. The surroundings are `wider` by
+    /// The energy around some parts, or the start if they are too many. The surroundings are `wider` by
     /// that many times what a span or cell depends on.
     pub(super) fn around(
-        places: &Places,
+        parts: &Parts,
         (round, wider): (u32, u32),
         energy: &'a mut Energy<'_>,
         start: Vec<f64>,
     ) -> Result<Self, Vec<f64>> {
         let system = energy.system;
-        let mut marked = energy.hinges.marked(places);
+        let mut marked = energy.hinges.marked(parts);
         for _ in 0..wider {
             marked = energy.hinges.marked(&energy.hinges.touching(&marked));
         }
@@ -50,31 +50,10 @@ impl<'a> Local<'a> {
         if free.len() as f64 > MOST[usize::from(round > 1)] * marked.len() as f64 {
             return Err(start);
         }
-        let lattice = start.len() / 3;
-        let mut known = vec![u32::MAX; lattice];
-        for (&place, at) in free.iter().zip(0..) {
-            known[place as usize] = at;
-        }
         let equations = &system.equations;
-        let size = equations.matrix.size;
-        let row = |&place: &u32| {
-            let place = place as usize;
-            let row = [place % size, place / size % size, place / (size * size)];
-            let around = |i: usize| i.saturating_sub(REACH)..(i + REACH + 1).min(size);
-            let [x, y, z] = row.map(around);
-            let mut entries = Vec::new();
-            for (k, j) in z.flat_map(|k| y.clone().map(move |j| (k, j))) {
-                for i in x.clone() {
-                    let column = known[i + size * (j + size * k)];
-                    if column != u32::MAX {
-                        entries.push((column, equations.matrix.entry(row, [i, j, k])));
-                    }
-                }
-            }
-            entries
-        };
-        let rows = free.iter().map(row).collect();
+        let rows = equations.matrix.within(&free);
         let product = equations.matrix.apply(&start);
+        let lattice = marked.len();
         let slope = (0..3).flat_map(|d| free.iter().map(move |&at| d * lattice + at as usize));
         let slope = slope.map(|at| product[at] - equations.right[at]).collect();
         Ok(Self {
@@ -90,7 +69,7 @@ impl<'a> Local<'a> {
     }
 
     /// The spans and cells that depend on a free control point.
-    pub(super) fn places(&self) -> Places {
+    pub(super) fn parts(&self) -> Parts {
         let mut free = vec![false; self.start.len() / 3];
         for &at in &self.free {
             free[at as usize] = true;
@@ -105,7 +84,7 @@ impl<'a> Local<'a> {
 
     /// All control points, from the free ones.
     pub(super) fn whole(&self, values: &[f64]) -> Vec<f64> {
-        let mut x = self.start.to_vec();
+        let mut x = self.start.clone();
         for (at, &value) in self.indices().zip(values) {
             x[at] = value;
         }

@@ -5,7 +5,10 @@
 //! elements and of the Bernstein coefficients `v` of the determinant. Both are divided by what they would be
 //! if the edges around them had right angles, or by their mean where that is less: a margin against
 //! the mean alone would tear small spans along the edges of the cube into fins.
-//! Their weights grow from round to round until every element is positive and every span certified.
+//! Cells and spans are watched that are within a few margins, and looked for anew every few evaluations:
+//! what is not watched would fold unseen. Each round lowers the energy over all control points or, where
+//! what is still wrong sits in few places, over those around it; then the weights of what is wrong and
+//! of its neighbours grow. Weights that grew everywhere would make every later descent slow.
 //!
 //! A solid with a smooth boundary has no determinant along the twelve edges of the cube: two of its
 //! derivatives there are opposite. The fit turns them towards each other just enough: the tiny
@@ -29,7 +32,7 @@ pub use creases::{Creases, creases};
 
 use self::descent::{Limits, descend};
 use self::energy::Energy;
-use self::hinges::{Hinges, Places};
+use self::hinges::{Hinges, Parts};
 use self::local::Local;
 use super::least_squares::{self, Problem, System, check, residuals, to_spline};
 use crate::error::FitError;
@@ -280,7 +283,7 @@ impl Enforce<'_> {
     fn descend_everywhere(
         &mut self,
         energy: &mut Energy<'_>,
-        all: &Places,
+        all: &Parts,
         mut x: Vec<f64>,
     ) -> Vec<f64> {
         let mut left = self.options.evaluations;
@@ -302,7 +305,7 @@ impl Enforce<'_> {
 
     /// Moves a few control points until nothing near them is wrong, or a few rounds are over.
     fn mend(&mut self, local: Local<'_>) -> Vec<f64> {
-        let places = local.places();
+        let parts = local.parts();
         let mut values = local.values();
         for _ in 0..MENDING_ROUNDS {
             let limits = Limits {
@@ -312,7 +315,7 @@ impl Enforce<'_> {
             let (_, used) = descend(&local, &mut values, limits);
             self.local_evaluations += used;
             let x = local.whole(&values);
-            local.hinges.watch(&x, &places);
+            local.hinges.watch(&x, &parts);
             let bad = local.hinges.bad(&x, self.options);
             if bad.is_empty() {
                 break;

@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use super::Options;
 use super::descent::{Descent, Limits, descend};
 use super::energy::Energy;
-use super::hinges::{Hinges, Places};
+use super::hinges::{Hinges, Parts};
 use super::local::Local;
 use crate::VolumeSamples;
 use crate::fit::least_squares::{self, Problem};
@@ -83,7 +83,7 @@ fn a_part_of_the_energy_changes_as_the_whole_does() {
     with_energy(8, |mut energy, _, x| {
         let all = energy.hinges.all();
         energy.hinges.watch(&x, &all);
-        let one = Places {
+        let one = Parts {
             spans: vec![0],
             cells: vec![vec![], vec![]],
         };

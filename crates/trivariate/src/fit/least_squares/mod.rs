@@ -27,7 +27,6 @@ use crate::samples::VolumeSamples;
 use crate::spline::{TrivariateSpline, refine_lattice};
 pub(crate) use assemble::{Equations, assemble};
 pub(crate) use precondition::BlockInverse;
-pub(crate) use stencil::REACH;
 #[cfg(test)]
 pub(crate) use stencil::Stencil;
 

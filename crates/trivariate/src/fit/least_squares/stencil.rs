@@ -69,6 +69,32 @@ impl Stencil {
         self.entries[self.line(row[1], row[2], dj, dk) + di * self.size + row[0]]
     }
 
+    /// The rows of some places, restricted to them: columns and entries.
+    pub(crate) fn within(&self, places: &[u32]) -> Vec<Vec<(u32, f64)>> {
+        let size = self.size;
+        let mut known = vec![u32::MAX; size.pow(3)];
+        for (&place, at) in places.iter().zip(0..) {
+            known[place as usize] = at;
+        }
+        let row = |&place: &u32| {
+            let place = place as usize;
+            let row = [place % size, place / size % size, place / (size * size)];
+            let around = |i: usize| i.saturating_sub(REACH)..(i + REACH + 1).min(size);
+            let [x, y, z] = row.map(around);
+            let mut entries = Vec::new();
+            for (k, j) in z.flat_map(|k| y.clone().map(move |j| (k, j))) {
+                for i in x.clone() {
+                    let column = known[i + size * (j + size * k)];
+                    if column != u32::MAX {
+                        entries.push((column, self.entry(row, [i, j, k])));
+                    }
+                }
+            }
+            entries
+        };
+        places.par_iter().map(row).collect()
+    }
+
     /// The product with several columns, one lattice after another.
     pub(crate) fn apply(&self, x: &[f64]) -> Vec<f64> {
         let size = self.size;
