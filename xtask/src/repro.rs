@@ -140,9 +140,10 @@ fn is_complete(report: &Report) -> bool {
 
 /// The figures that the README shows, with their papers and items; drawn from generated surfaces, as all
 /// that is committed.
-const SHOWN: [(&str, &str, &str); 2] = [
+const SHOWN: [(&str, &str, &str); 3] = [
     ("hou2017", "generated", "hou2017-generated-surfaces.png"),
     ("wang2016", "figure5", "wang2016-figure5-figure5.png"),
+    ("kim2014", "figure1", "kim2014-figure1-bumpy-sphere.png"),
 ];
 /// Side of its pictures in pixels.
 const SHOWN_PICTURE: usize = 360;

@@ -172,6 +172,8 @@ pub struct Certified {
     pub rounds: u32,
     /// Most evaluations of a round over all control points, or of each of its descents over a few.
     pub evaluations: u32,
+    /// Most evaluations once nothing is wrong, towards the least energy.
+    pub polishing: u32,
     /// How the result is certified.
     pub certificate: validity::Options,
 }
@@ -187,6 +189,7 @@ impl Default for Certified {
             growth: 4.0,
             rounds: 20,
             evaluations: 80,
+            polishing: 320,
             certificate: validity::Options::default(),
         }
     }

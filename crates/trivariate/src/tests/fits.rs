@@ -289,6 +289,9 @@ fn a_ball_is_certified_with_tiny_creases() {
     assert!(fit.certificate.holds() && fit.certificate.bound > 0.0);
     assert_eq!(fit.report.degenerate, [0, 0]);
     assert!(fit.report.rms < 1e-3, "{:?}", fit.report);
+    // No spikes: at no sample is the solid much farther than least squares leave it.
+    let start = least_squares::residuals(&samples, &fit.start).1;
+    assert!(fit.report.max < 1.1 * start, "{} {start}", fit.report.max);
     let [least, greatest] = [fit.report.creases.least, fit.report.creases.greatest];
     assert!(
         least > 2.9 && greatest < std::f64::consts::PI,

@@ -11,7 +11,7 @@ use super::measure::bad_cells;
 use super::part::Part;
 
 /// Rings around bad cells and the form of the energy, round after round.
-const CYCLE: [(u32, Shape); 8] = [
+const CYCLE: [(u32, Shape); 16] = [
     (3, Shape::Cubic),
     (2, Shape::Cubic),
     (4, Shape::Quadratic),
@@ -20,6 +20,14 @@ const CYCLE: [(u32, Shape); 8] = [
     (5, Shape::Cubic),
     (4, Shape::Cubic),
     (6, Shape::Quadratic),
+    (8, Shape::Cubic),
+    (8, Shape::Quadratic),
+    (12, Shape::Cubic),
+    (12, Shape::Quadratic),
+    (3, Shape::Cubic),
+    (2, Shape::Quadratic),
+    (16, Shape::Cubic),
+    (16, Shape::Quadratic),
 ];
 
 /// How far folds have been removed.

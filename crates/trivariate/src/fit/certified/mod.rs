@@ -51,6 +51,9 @@ const STRIDE: u32 = 20;
 /// Decrease of a step, against the energy, below which a round ends.
 const RESTING: f64 = 1e-4;
 
+/// The same when nothing is wrong any more.
+const POLISHED: f64 = 1e-5;
+
 /// Least mean squared distance that weights are measured by, against the squared diagonal.
 const LEAST_SQUARE: f64 = 1e-12;
 
@@ -276,7 +279,36 @@ impl Enforce<'_> {
             let stop = observer(&progress.with_objective(bad.len() as f64));
             self.stopped = !bad.is_empty() && stop == ControlFlow::Break(());
         }
+        if bad.is_empty() && self.rounds > 0 {
+            self.polish(&mut energy, &all, &mut x);
+        }
         x
+    }
+
+    /// Goes on from where nothing is wrong, to places where nothing is wrong either: rounds end early,
+    /// with thin spikes at corners that the samples have not pulled back yet.
+    fn polish(&mut self, energy: &mut Energy<'_>, all: &Parts, x: &mut Vec<f64>) {
+        let mut left = self.options.polishing;
+        while left > 0 {
+            let limits = Limits {
+                evaluations: left.min(STRIDE),
+                tolerance: POLISHED,
+            };
+            let mut next = x.clone();
+            let (end, used) = descend(energy, &mut next, limits);
+            self.evaluations += used;
+            left = left.saturating_sub(used);
+            energy.hinges.watch(&next, all);
+            let bad = energy.hinges.bad(&next, self.options);
+            if !bad.is_empty() {
+                energy.hinges.reinforce(&bad, self.options.growth);
+                continue;
+            }
+            *x = next;
+            if end != descent::End::Evaluations {
+                break;
+            }
+        }
     }
 
     /// Moves all control points.
