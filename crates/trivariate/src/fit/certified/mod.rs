@@ -268,7 +268,7 @@ impl Enforce<'_> {
             self.rounds += 1;
             let before = bad.len();
             x = match Local::around(&bad, (self.rounds, stalled), &mut energy, x) {
-                Ok(local) => self.mend(local),
+                Ok(mut local) => self.mend(&mut local),
                 Err(x) => self.descend_everywhere(&mut energy, &all, x),
             };
             energy.hinges.watch(&x, &all);
@@ -336,7 +336,7 @@ impl Enforce<'_> {
     }
 
     /// Moves a few control points until nothing near them is wrong, or a few rounds are over.
-    fn mend(&mut self, local: Local<'_>) -> Vec<f64> {
+    fn mend(&mut self, local: &mut Local<'_>) -> Vec<f64> {
         let parts = local.parts();
         let mut values = local.values();
         for _ in 0..MENDING_ROUNDS {
@@ -344,7 +344,7 @@ impl Enforce<'_> {
                 evaluations: self.options.evaluations,
                 tolerance: RESTING,
             };
-            let (_, used) = descend(&local, &mut values, limits);
+            let (_, used) = descend(local, &mut values, limits);
             self.local_evaluations += used;
             let x = local.whole(&values);
             local.hinges.watch(&x, &parts);
