@@ -137,6 +137,16 @@ fn boundaries_that_do_not_meet_are_proved_so() {
 }
 
 #[test]
+fn a_thin_oblique_plate_is_proved_to_be_free_of_contacts() {
+    // Derivatives differ from a plane by 1e-9 only, as along creases that are nearly smooth.
+    let plate = |[u, v, w]: [f64; 3]| Point3::new(u, v + u, 1e-9 * w + 0.3 * u);
+    let spline = TrivariateSpline::from_map(4, plate).expect("a spline");
+    let report = boundary(&spline, &BoundaryOptions::default());
+    assert_eq!(report.verdict, BoundaryVerdict::Injective, "{report:?}");
+    assert!(report.pairs < 2000, "{}", report.pairs);
+}
+
+#[test]
 fn an_immersion_that_meets_itself_is_found() {
     // A bar bent by more than a whole turn: the determinant is positive, the ends overlap.
     let bar = |[u, v, w]: [f64; 3]| {
