@@ -1,26 +1,11 @@
 //! Cylindrical parameters of real surfaces, where their files are at hand.
-#![allow(clippy::print_stdout, reason = "tests say when they did not run")]
 
-use std::path::PathBuf;
+mod library;
 
-use msplines_common::mesh::{Policy, TriangleMesh, accept};
+use library::model;
 use msplines_common::progress::unobserved;
-use msplines_io::read_soup;
 use msplines_trivariate::cylinder::{self, Options, degenerate_places};
 use msplines_trivariate::measure::measure;
-
-/// Returns a surface of the library of models, if it is there.
-fn model(name: &str) -> Option<TriangleMesh> {
-    let here = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/models");
-    let root = std::env::var_os("MSPLINES_MODELS").map_or_else(|| here.into(), PathBuf::from);
-    let path = root.join(name).with_extension("ply");
-    if !path.is_file() {
-        println!("not run: {name}");
-        return None;
-    }
-    let soup = read_soup(&path).expect("a surface of the library");
-    Some(accept(&soup, Policy::Repair).expect("a surface").mesh)
-}
 
 #[test]
 fn the_axis_and_the_poles_of_models_are_degenerate() {

@@ -1,25 +1,11 @@
 //! Real surfaces filled, where their files are at hand.
-#![allow(clippy::print_stdout, reason = "tests say when they did not run")]
 
-use std::path::PathBuf;
+mod library;
 
-use msplines_common::mesh::{Policy, TriangleMesh, accept};
+use library::model;
+use msplines_common::mesh::TriangleMesh;
 use msplines_common::progress::unobserved;
-use msplines_io::read_soup;
 use msplines_trivariate::domain::mesher::{Filled, MesherOptions, Shortfall, Spacing, fill};
-
-/// Returns a surface of the library of models, if it is there.
-fn model(name: &str) -> Option<TriangleMesh> {
-    let here = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/models");
-    let root = std::env::var_os("MSPLINES_MODELS").map_or_else(|| here.into(), PathBuf::from);
-    let path = root.join(name).with_extension("ply");
-    if !path.is_file() {
-        println!("not run: {name}");
-        return None;
-    }
-    let soup = read_soup(&path).expect("a surface of the library");
-    Some(accept(&soup, Policy::Repair).expect("a surface").mesh)
-}
 
 /// A lattice that takes no account of how thin a solid is.
 fn along_diagonal() -> MesherOptions {

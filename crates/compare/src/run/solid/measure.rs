@@ -175,6 +175,7 @@ fn of_fitted(fitted: &Fitted, domain: &Domain) -> Checks {
                 ("levels", json!(fit.report.levels.len())),
                 ("rounds", json!(fit.report.rounds)),
                 ("evaluations", json!(fit.report.evaluations)),
+                ("local_evaluations", json!(fit.report.local_evaluations)),
                 ("spans_certified_before", json!(fit.report.certified_before)),
                 ("surface_rms_uncertified", json!(start.surface_rms)),
                 ("interior_rms_uncertified", json!(start.interior_rms)),
