@@ -53,6 +53,17 @@ pub enum IntrinsicError {
     },
 }
 
+/// Which edges may be flipped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FlipRule {
+    /// Every edge that is not Delaunay; the result may be a Δ-complex.
+    #[default]
+    Any,
+    /// Only edges whose flip joins two distinct vertices that no edge joins yet: the result has
+    /// the faces of an ordinary mesh, and some edges may stay negative.
+    Simplicial,
+}
+
 /// Triangles given by their edge lengths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IntrinsicTriangulation {
@@ -60,16 +71,42 @@ pub struct IntrinsicTriangulation {
     pub faces: Vec<[u32; 3]>,
     /// Length of the edge from corner `i` to corner `i + 1 (mod 3)` of each face.
     pub lengths: Vec<[f64; 3]>,
-    /// Number of edges that were flipped.
-    pub flips: usize,
+    /// The half-edge that runs the other way along the same edge, for each half-edge, or [`NONE`].
+    pub twins: Vec<u32>,
+    /// The two half-edges of each flipped edge, flip after flip.
+    pub flips: Vec<[u32; 2]>,
     /// Length that was added to every edge before the first flip; 0 unless triangles are
     /// degenerate to [`MOLLIFICATION_MARGIN`].
     pub mollification: f64,
     /// Number of inner edges whose weight is negative beyond [`DELAUNAY_TOLERANCE`]; 0 if
     /// converged.
     pub negative_edges: usize,
-    /// `Converged`; `MaxIterations` if the flips were used up; `Stalled` if rounding forbade a flip.
+    /// `Converged`; `MaxIterations` if the flips were used up; `Stalled` if rounding or the rule
+    /// forbade a flip.
     pub outcome: Outcome,
+}
+
+impl IntrinsicTriangulation {
+    /// Carries a closed 1-form of the mesh over to these edges, in place: `form[h]` is its integral
+    /// along half-edge `h`, of the mesh before and of this triangulation after.
+    ///
+    /// Closed forms are sums of the two sides beside a new diagonal, so integers stay integers.
+    ///
+    /// # Panics
+    /// If there is not one value per half-edge.
+    pub fn carry<T>(&self, form: &mut [T])
+    where
+        T: Copy + std::ops::Add<Output = T> + std::ops::Neg<Output = T>,
+    {
+        assert_eq!(form.len(), self.twins.len(), "one value per half-edge");
+        for &[ab, ba] in &self.flips {
+            let [bc, ca, ad, db] = sides_around(ab, ba);
+            let [on_bc, on_ca, on_ad, on_db] = [bc, ca, ad, db].map(|h| form[h as usize]);
+            let diagonal = on_db + on_bc;
+            [form[ab as usize], form[bc as usize], form[ca as usize]] = [diagonal, on_ca, on_ad];
+            [form[ba as usize], form[ad as usize], form[db as usize]] = [-diagonal, on_db, on_bc];
+        }
+    }
 }
 
 /// Returns the intrinsic Delaunay triangulation of a mesh.
@@ -89,10 +126,21 @@ pub struct IntrinsicTriangulation {
 /// # Errors
 /// A length that is not finite, or a mesh without extent.
 pub fn intrinsic_delaunay(mesh: &TriangleMesh) -> Result<IntrinsicTriangulation, IntrinsicError> {
+    intrinsic_delaunay_by(mesh, FlipRule::Any)
+}
+
+/// Returns the triangulation that flips allowed by `rule` reach; see [`intrinsic_delaunay`].
+///
+/// # Errors
+/// As [`intrinsic_delaunay`].
+pub fn intrinsic_delaunay_by(
+    mesh: &TriangleMesh,
+    rule: FlipRule,
+) -> Result<IntrinsicTriangulation, IntrinsicError> {
     let mut complex = DeltaComplex::build(mesh)?;
     let mollification = complex.mollify();
     let edges = mesh.topology().edge_count();
-    let (flips, within_budget) = complex.flip_until_delaunay(FLIPS_PER_EDGE * edges);
+    let (flips, within_budget) = complex.flip_until_delaunay(FLIPS_PER_EDGE * edges, rule);
     let negative_edges = complex.negative_edges();
     let outcome = match (negative_edges, within_budget) {
         (0, _) => Outcome::Converged,
@@ -112,6 +160,7 @@ pub fn intrinsic_delaunay(mesh: &TriangleMesh) -> Result<IntrinsicTriangulation,
     Ok(IntrinsicTriangulation {
         faces,
         lengths,
+        twins: complex.twins,
         flips,
         mollification,
         negative_edges,
@@ -187,27 +236,75 @@ impl DeltaComplex {
         added
     }
 
-    /// Flips until every edge is Delaunay; returns the flips and whether the budget sufficed.
-    fn flip_until_delaunay(&mut self, budget: usize) -> (usize, bool) {
-        // Invariant: every edge that is not Delaunay has one of its half-edge slots on the stack.
-        let mut stack: Vec<u32> = (0..self.twins.len() as u32)
-            .rev()
-            .filter(|&half_edge| self.breaks_delaunay(half_edge))
-            .collect();
-        let mut flips = 0;
-        while let Some(half_edge) = stack.pop() {
-            if !self.breaks_delaunay(half_edge) {
-                continue;
+    /// Flips until every edge that the rule lets flip is Delaunay; returns the flips and whether
+    /// the budget sufficed.
+    fn flip_until_delaunay(&mut self, budget: usize, rule: FlipRule) -> (Vec<[u32; 2]>, bool) {
+        let mut flips = Vec::new();
+        loop {
+            let before = flips.len();
+            // Invariant: every edge that is not Delaunay and may be flipped has one of its
+            // half-edge slots on the stack. A flip far away may permit one that was forbidden.
+            let mut stack: Vec<u32> = (0..self.twins.len() as u32)
+                .rev()
+                .filter(|&half_edge| self.breaks_delaunay(half_edge))
+                .collect();
+            while let Some(half_edge) = stack.pop() {
+                if !self.breaks_delaunay(half_edge)
+                    || (rule == FlipRule::Simplicial && !self.stays_simplicial(half_edge))
+                {
+                    continue;
+                }
+                if flips.len() == budget {
+                    return (flips, false);
+                }
+                let twin = self.twins[half_edge as usize];
+                if let Some(outer) = self.flip(half_edge) {
+                    flips.push([half_edge, twin]);
+                    stack.extend(outer);
+                }
             }
-            if flips == budget {
-                return (flips, false);
-            }
-            if let Some(outer) = self.flip(half_edge) {
-                flips += 1;
-                stack.extend(outer);
+            if rule == FlipRule::Any || flips.len() == before {
+                return (flips, true);
             }
         }
-        (flips, true)
+    }
+
+    /// Whether the flip of an edge joins two distinct vertices that no edge joins yet.
+    fn stays_simplicial(&self, half_edge: u32) -> bool {
+        let [_, ca, _, db] = sides_around(half_edge, self.twins[half_edge as usize]);
+        let [c, d] = [ca, db].map(|h| self.origins[h as usize]);
+        c != d && !self.is_neighbour(ca, d)
+    }
+
+    /// Whether an edge joins the origin of a half-edge to `vertex`.
+    fn is_neighbour(&self, start: u32, vertex: u32) -> bool {
+        let reaches = |outgoing: u32| {
+            self.origins[Topology::next(outgoing) as usize] == vertex
+                || self.origins[Topology::previous(outgoing) as usize] == vertex
+        };
+        let mut outgoing = start;
+        loop {
+            if reaches(outgoing) {
+                return true;
+            }
+            outgoing = self.twins[Topology::previous(outgoing) as usize];
+            if outgoing == start {
+                return false;
+            }
+            if outgoing == NONE {
+                break;
+            }
+        }
+        // A boundary was met; the rest of the fan lies on the other side of the start.
+        let mut incoming = self.twins[start as usize];
+        while incoming != NONE {
+            outgoing = Topology::next(incoming);
+            if reaches(outgoing) {
+                return true;
+            }
+            incoming = self.twins[outgoing as usize];
+        }
+        false
     }
 
     fn negative_edges(&self) -> usize {
@@ -251,12 +348,8 @@ impl DeltaComplex {
     /// The faces `(a, b, c)` and `(b, a, d)` on `a → b` become `(d, c, a)` and `(c, d, b)`.
     fn flip(&mut self, half_edge: u32) -> Option<[u32; 4]> {
         let twin = self.twins[half_edge as usize];
-        let [ab, bc, ca] = [
-            half_edge,
-            Topology::next(half_edge),
-            Topology::previous(half_edge),
-        ];
-        let [ba, ad, db] = [twin, Topology::next(twin), Topology::previous(twin)];
+        let [ab, ba] = [half_edge, twin];
+        let [bc, ca, ad, db] = sides_around(ab, ba);
         let [b, c, d] = [bc, ca, db].map(|h| self.origins[h as usize]);
         let a = self.origins[ad as usize];
         let diagonal = self.other_diagonal(half_edge);
@@ -306,6 +399,16 @@ impl DeltaComplex {
         let away = |p: f64, q: f64| 2.0 * triangle_area(l, p, q) / l;
         (along(ca, bc) - along(ad, db)).hypot(away(bc, ca) + away(ad, db))
     }
+}
+
+/// Half-edges `bc`, `ca`, `ad`, `db` of the quadrilateral around the edge of two half-edges.
+fn sides_around(ab: u32, ba: u32) -> [u32; 4] {
+    [
+        Topology::next(ab),
+        Topology::previous(ab),
+        Topology::next(ba),
+        Topology::previous(ba),
+    ]
 }
 
 fn moved_twin(twin: u32, moved: impl Fn(u32) -> u32) -> u32 {

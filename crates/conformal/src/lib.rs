@@ -1,0 +1,1 @@
+//! Conformal structure of triangle meshes: holomorphic 1-forms, affine atlases, spherical maps.

@@ -1,0 +1,1 @@
+//! Powell-Sabin splines over planar triangulations and over surfaces of any genus.
