@@ -11,7 +11,7 @@
 //! Half-edge `h = 3 f + i` runs in face `f` from corner `i` to corner `i + 1 (mod 3)`, as in
 //! [`Topology`].
 
-use crate::mesh::{NONE, Topology, TriangleMesh};
+use crate::mesh::{FlipComplex, NONE, Topology, TriangleMesh, carry_flip, sides_around};
 use crate::progress::Outcome;
 
 /// How far the sum of the two shorter sides exceeds the longest side of every triangle before
@@ -99,12 +99,10 @@ impl IntrinsicTriangulation {
         T: Copy + std::ops::Add<Output = T> + std::ops::Neg<Output = T>,
     {
         assert_eq!(form.len(), self.twins.len(), "one value per half-edge");
-        for &[ab, ba] in &self.flips {
-            let [bc, ca, ad, db] = sides_around(ab, ba);
-            let [on_bc, on_ca, on_ad, on_db] = [bc, ca, ad, db].map(|h| form[h as usize]);
-            let diagonal = on_db + on_bc;
-            [form[ab as usize], form[bc as usize], form[ca as usize]] = [diagonal, on_ca, on_ad];
-            [form[ba as usize], form[ad as usize], form[db as usize]] = [-diagonal, on_db, on_bc];
+        for &pair in &self.flips {
+            let [bc, _, _, db] = sides_around(pair);
+            let diagonal = form[db as usize] + form[bc as usize];
+            carry_flip(form, pair, [diagonal, -diagonal]);
         }
     }
 }
@@ -156,11 +154,11 @@ pub fn intrinsic_delaunay_by(
         .map(|sides| sides.map(|l| l * unit));
     let lengths = lengths.collect();
     let mollification = mollification * unit;
-    let faces = complex.origins.as_chunks::<3>().0.to_vec();
+    let faces = complex.glued.faces().to_vec();
     Ok(IntrinsicTriangulation {
         faces,
         lengths,
-        twins: complex.twins,
+        twins: complex.glued.twins().to_vec(),
         flips,
         mollification,
         negative_edges,
@@ -168,12 +166,11 @@ pub fn intrinsic_delaunay_by(
     })
 }
 
-/// Triangles glued along half-edges, all arrays by half-edge.
+/// Glued triangles and the lengths of their half-edges.
 struct DeltaComplex {
-    origins: Vec<u32>,
+    glued: FlipComplex,
     /// In units of `unit`.
     lengths: Vec<f64>,
-    twins: Vec<u32>,
     /// A power of two near the mean edge length, so that fourth powers neither over- nor underflow
     /// and multiplying by it is exact.
     unit: f64,
@@ -185,7 +182,7 @@ impl DeltaComplex {
         let positions = mesh.positions();
         let half_edges = 0..3 * topology.face_count() as u32;
         let mut lengths = Vec::with_capacity(half_edges.len());
-        for half_edge in half_edges.clone() {
+        for half_edge in half_edges {
             // Both half-edges of an edge compute the same bits: the norm is even.
             let [from, to] = [topology.origin(half_edge), topology.target(half_edge)];
             let length = (positions[to as usize] - positions[from as usize]).norm();
@@ -208,14 +205,9 @@ impl DeltaComplex {
             .floor()
             .exp2();
         lengths.iter_mut().for_each(|length| *length /= unit);
-        let origins = mesh.faces().iter().flatten().copied().collect();
-        let twins = half_edges
-            .map(|half_edge| topology.twin(half_edge))
-            .collect();
         Ok(Self {
-            origins,
+            glued: FlipComplex::of(topology),
             lengths,
-            twins,
             unit,
         })
     }
@@ -244,22 +236,21 @@ impl DeltaComplex {
             let before = flips.len();
             // Invariant: every edge that is not Delaunay and may be flipped has one of its
             // half-edge slots on the stack. A flip far away may permit one that was forbidden.
-            let mut stack: Vec<u32> = (0..self.twins.len() as u32)
+            let mut stack: Vec<u32> = (0..self.lengths.len() as u32)
                 .rev()
                 .filter(|&half_edge| self.breaks_delaunay(half_edge))
                 .collect();
             while let Some(half_edge) = stack.pop() {
                 if !self.breaks_delaunay(half_edge)
-                    || (rule == FlipRule::Simplicial && !self.stays_simplicial(half_edge))
+                    || (rule == FlipRule::Simplicial && !self.glued.stays_simplicial(half_edge))
                 {
                     continue;
                 }
                 if flips.len() == budget {
                     return (flips, false);
                 }
-                let twin = self.twins[half_edge as usize];
-                if let Some(outer) = self.flip(half_edge) {
-                    flips.push([half_edge, twin]);
+                if let Some((pair, outer)) = self.flip(half_edge) {
+                    flips.push(pair);
                     stack.extend(outer);
                 }
             }
@@ -269,47 +260,9 @@ impl DeltaComplex {
         }
     }
 
-    /// Whether the flip of an edge joins two distinct vertices that no edge joins yet.
-    fn stays_simplicial(&self, half_edge: u32) -> bool {
-        let [_, ca, _, db] = sides_around(half_edge, self.twins[half_edge as usize]);
-        let [c, d] = [ca, db].map(|h| self.origins[h as usize]);
-        c != d && !self.is_neighbour(ca, d)
-    }
-
-    /// Whether an edge joins the origin of a half-edge to `vertex`.
-    fn is_neighbour(&self, start: u32, vertex: u32) -> bool {
-        let reaches = |outgoing: u32| {
-            self.origins[Topology::next(outgoing) as usize] == vertex
-                || self.origins[Topology::previous(outgoing) as usize] == vertex
-        };
-        let mut outgoing = start;
-        loop {
-            if reaches(outgoing) {
-                return true;
-            }
-            outgoing = self.twins[Topology::previous(outgoing) as usize];
-            if outgoing == start {
-                return false;
-            }
-            if outgoing == NONE {
-                break;
-            }
-        }
-        // A boundary was met; the rest of the fan lies on the other side of the start.
-        let mut incoming = self.twins[start as usize];
-        while incoming != NONE {
-            outgoing = Topology::next(incoming);
-            if reaches(outgoing) {
-                return true;
-            }
-            incoming = self.twins[outgoing as usize];
-        }
-        false
-    }
-
     fn negative_edges(&self) -> usize {
-        (0..self.twins.len() as u32)
-            .filter(|&half_edge| half_edge < self.twins[half_edge as usize])
+        (0..self.lengths.len() as u32)
+            .filter(|&half_edge| half_edge < self.glued.twin(half_edge))
             .filter(|&half_edge| self.breaks_delaunay(half_edge))
             .count()
     }
@@ -319,7 +272,7 @@ impl DeltaComplex {
     /// Where both sides are the same face, the opposite angles are two of its three and sum to
     /// less than π.
     fn breaks_delaunay(&self, half_edge: u32) -> bool {
-        let twin = self.twins[half_edge as usize];
+        let twin = self.glued.twin(half_edge);
         if twin == NONE || twin / 3 == half_edge / 3 {
             return false;
         }
@@ -342,55 +295,26 @@ impl DeltaComplex {
         .map(|h| self.lengths[h as usize])
     }
 
-    /// Replaces the diagonal of the quadrilateral around an edge; returns its four sides, or
+    /// Replaces the diagonal of the quadrilateral around an edge; returns its two half-edges and its
+    /// four sides, or
     /// nothing where rounding leaves no triangles on both sides of the other diagonal.
-    ///
-    /// The faces `(a, b, c)` and `(b, a, d)` on `a → b` become `(d, c, a)` and `(c, d, b)`.
-    fn flip(&mut self, half_edge: u32) -> Option<[u32; 4]> {
-        let twin = self.twins[half_edge as usize];
-        let [ab, ba] = [half_edge, twin];
-        let [bc, ca, ad, db] = sides_around(ab, ba);
-        let [b, c, d] = [bc, ca, db].map(|h| self.origins[h as usize]);
-        let a = self.origins[ad as usize];
+    fn flip(&mut self, half_edge: u32) -> Option<([u32; 2], [u32; 4])> {
         let diagonal = self.other_diagonal(half_edge);
-        let [l_bc, l_ca, l_ad, l_db] = [bc, ca, ad, db].map(|h| self.lengths[h as usize]);
+        let sides = sides_around([half_edge, self.glued.twin(half_edge)]);
+        let [l_bc, l_ca, l_ad, l_db] = sides.map(|h| self.lengths[h as usize]);
         let slack = excess_over_longest(diagonal, l_ca, l_ad)
             .min(excess_over_longest(diagonal, l_db, l_bc));
         if !diagonal.is_finite() || slack <= 0.0 {
             return None;
         }
-        self.place(ab, [(d, diagonal), (c, l_ca), (a, l_ad)]);
-        self.place(ba, [(c, diagonal), (d, l_db), (b, l_bc)]);
-
-        // The sides move one slot on around the quadrilateral; a twin may be a side that moves.
-        let (old, new) = ([ca, ad, db, bc], [bc, ca, ad, db]);
-        let moved = |h: u32| old.iter().position(|&side| side == h).map_or(h, |i| new[i]);
-        let twins = old.map(|side| moved_twin(self.twins[side as usize], moved));
-        for (side, twin) in new.into_iter().zip(twins) {
-            self.twins[side as usize] = twin;
-            if twin != NONE {
-                self.twins[twin as usize] = side;
-            }
-        }
-        Some(new)
-    }
-
-    /// Writes origins and lengths of a face, from the given half-edge on.
-    fn place(&mut self, half_edge: u32, sides: [(u32, f64); 3]) {
-        let slots = [
-            half_edge,
-            Topology::next(half_edge),
-            Topology::previous(half_edge),
-        ];
-        for (slot, (origin, length)) in slots.into_iter().zip(sides) {
-            self.origins[slot as usize] = origin;
-            self.lengths[slot as usize] = length;
-        }
+        let (pair, outer) = self.glued.flip(half_edge);
+        carry_flip(&mut self.lengths, pair, [diagonal; 2]);
+        Some((pair, outer))
     }
 
     /// Distance of the two opposite corners of an edge after unfolding its faces in the plane.
     fn other_diagonal(&self, half_edge: u32) -> f64 {
-        let twin = self.twins[half_edge as usize];
+        let twin = self.glued.twin(half_edge);
         // Coordinates from `a` along `a → b`: the twin runs from `b`.
         let [l, bc, ca] = self.sides(half_edge);
         let [_, ad, db] = self.sides(twin);
@@ -399,20 +323,6 @@ impl DeltaComplex {
         let away = |p: f64, q: f64| 2.0 * triangle_area(l, p, q) / l;
         (along(ca, bc) - along(ad, db)).hypot(away(bc, ca) + away(ad, db))
     }
-}
-
-/// Half-edges `bc`, `ca`, `ad`, `db` of the quadrilateral around the edge of two half-edges.
-fn sides_around(ab: u32, ba: u32) -> [u32; 4] {
-    [
-        Topology::next(ab),
-        Topology::previous(ab),
-        Topology::next(ba),
-        Topology::previous(ba),
-    ]
-}
-
-fn moved_twin(twin: u32, moved: impl Fn(u32) -> u32) -> u32 {
-    if twin == NONE { NONE } else { moved(twin) }
 }
 
 /// By how much the two shorter sides exceed the longest one.

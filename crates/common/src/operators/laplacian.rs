@@ -81,13 +81,23 @@ pub fn assemble(vertex_count: usize, faces: &[[u32; 3]], lengths: &[[f64; 3]]) -
     }
 }
 
-/// Returns the area by Kahan's form of Heron's formula, which is stable for needles.
-fn triangle_area(sides: [f64; 3]) -> f64 {
+/// Returns the area of a triangle with these sides by Kahan's form of Heron's formula, which is stable
+/// for needles.
+#[must_use]
+pub fn triangle_area(sides: [f64; 3]) -> f64 {
     let mut sorted = sides;
     sorted.sort_by(f64::total_cmp);
     let [c, b, a] = sorted;
     let product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
     0.25 * product.max(0.0).sqrt()
+}
+
+/// Returns, for each side of a triangle with these lengths, half the cotangent of the angle opposite
+/// to it: its part of the weight of that edge. Side `i` runs from corner `i` to corner `i + 1`.
+#[must_use]
+pub fn half_cotangents(sides: [f64; 3]) -> [f64; 3] {
+    let cotangents = corner_cotangents(sides, triangle_area(sides));
+    std::array::from_fn(|i| 0.5 * cotangents[(i + 2) % 3])
 }
 
 /// Returns the cotangent of the angle at each corner.

@@ -4,5 +4,5 @@ pub mod intrinsic;
 mod laplacian;
 mod poisson;
 
-pub use laplacian::{Operators, assemble, mesh_operators};
+pub use laplacian::{Operators, assemble, half_cotangents, mesh_operators, triangle_area};
 pub use poisson::{Poisson, PoissonError};

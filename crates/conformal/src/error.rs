@@ -1,0 +1,82 @@
+//! Why a surface has no atlas of the kind asked for.
+
+use msplines_common::operators::PoissonError;
+use msplines_common::operators::intrinsic::IntrinsicError;
+
+/// Why no holomorphic 1-form or atlas could be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConformalError {
+    /// The surface has a boundary.
+    #[error(
+        "the surface has {loops} boundary loops, one through vertex {vertex}; forms of a closed surface were asked for: use the forms of bounded surfaces, or fill the holes"
+    )]
+    Boundary {
+        /// Number of loops.
+        loops: usize,
+        /// A vertex on the first one.
+        vertex: u32,
+    },
+    /// The surface has several components.
+    #[error("the surface has {components} components; keep one of them")]
+    NotConnected {
+        /// Number of components.
+        components: u32,
+    },
+    /// A sphere has no holomorphic 1-form.
+    #[error(
+        "a closed surface of genus 0 has no holomorphic 1-form; remove the star of a vertex (--puncture), or use the spherical map"
+    )]
+    NoForm,
+    /// No intrinsic triangulation.
+    #[error(transparent)]
+    Intrinsic(#[from] IntrinsicError),
+    /// The Laplacian cannot be factored.
+    #[error(transparent)]
+    Poisson(#[from] PoissonError),
+    /// The wedge products of the integer forms are singular to rounding, which they never are.
+    #[error(
+        "the intersection matrix of {classes} classes has determinant {determinant}, not 1; the coordinates span too many orders of magnitude"
+    )]
+    Intersections {
+        /// Number of classes.
+        classes: usize,
+        /// The determinant found.
+        determinant: f64,
+    },
+    /// The number of coefficients or periods is not that of the classes.
+    #[error("{given} numbers were given for the {needed} classes of a surface of genus {genus}")]
+    ClassCount {
+        /// How many were given.
+        given: usize,
+        /// How many are needed.
+        needed: usize,
+        /// Number of handles.
+        genus: usize,
+    },
+    /// All coefficients or periods are zero.
+    #[error("all coefficients of the form are zero; give at least one that is not")]
+    ZeroForm,
+    /// Triangles stay folded away from the zeros however often the mesh is refined there.
+    #[error(
+        "{flips} triangles are folded away from the zeros, one at vertex {vertex}, after {rounds} local refinements; the mesh is too coarse or too thin there: remesh it, or choose another form"
+    )]
+    Folded {
+        /// Number of folded triangles.
+        flips: usize,
+        /// A vertex of one.
+        vertex: u32,
+        /// Refinements tried.
+        rounds: usize,
+    },
+    /// Zeros lie too close together, or too close to a boundary, to be cut out one by one.
+    #[error(
+        "the zero of the form at vertex {vertex} cannot be cut out as a disk after {rounds} local refinements; the mesh is too coarse for its topology there: refine it, or choose another form"
+    )]
+    TooCoarse {
+        /// A vertex of the zero.
+        vertex: u32,
+        /// Refinements tried.
+        rounds: usize,
+    },
+}
