@@ -55,8 +55,14 @@ impl Homology {
         let left = (0..topology.edge_count() as u32).filter(|&edge| !in_tree[edge as usize]);
         let left: Vec<u32> = left.map(|edge| topology.edge_half_edge(edge)).collect();
         Ok(Self {
-            cocycles: left.iter().map(|&h| crossings(topology, &faces, h)).collect(),
-            loops: left.iter().map(|&h| closed_path(topology, &vertices, h)).collect(),
+            cocycles: left
+                .iter()
+                .map(|&h| crossings(topology, &faces, h))
+                .collect(),
+            loops: left
+                .iter()
+                .map(|&h| closed_path(topology, &vertices, h))
+                .collect(),
         })
     }
 
@@ -70,7 +76,9 @@ impl Homology {
     #[must_use]
     pub fn periods(&self, form: impl Fn(u32) -> f64) -> Vec<f64> {
         let periods = self.loops.iter();
-        periods.map(|half_edges| half_edges.iter().map(|&h| form(h)).sum()).collect()
+        periods
+            .map(|half_edges| half_edges.iter().map(|&h| form(h)).sum())
+            .collect()
     }
 
     /// Returns the integers `∮_{γ_j} W_k`, row `j` by row.

@@ -1,0 +1,185 @@
+//! How even the length of a holomorphic form is over a surface.
+
+use msplines_common::operators::triangle_area;
+use nalgebra::{DMatrix, DVector};
+
+use crate::basis::HolomorphicBasis;
+use crate::descent::{Objective, minimise};
+
+/// Faces that a form is judged by; the variance of a sample of so many is right to some percent.
+const SAMPLES: usize = 8192;
+
+/// Lengths below this part of the root mean square count as this part: the logarithm has poles at the
+/// zeros of a form, and between two samples anything may happen there.
+const FLOOR: f64 = 1e-2;
+
+/// Derivatives `q_k` of the basis on sampled faces.
+#[derive(Clone, Debug)]
+pub(crate) struct Uniformity {
+    /// Per sample the real parts of all `q_k`, then their imaginary parts.
+    rows: Vec<f64>,
+    classes: usize,
+    /// Part of the sampled area that belongs to each sample.
+    weights: Vec<f64>,
+    /// Square of the smallest length.
+    floor: f64,
+}
+
+impl Uniformity {
+    /// Samples the faces of the intrinsic triangulation evenly by number.
+    pub(crate) fn sample(basis: &HolomorphicBasis) -> Self {
+        let triangulation = basis.triangulation();
+        let faces = triangulation.faces.len();
+        let samples = faces.min(SAMPLES);
+        let chosen: Vec<usize> = (0..samples).map(|i| i * faces / samples).collect();
+        let classes = basis.classes();
+        let mut sides = vec![[0.0; 3]; samples * classes];
+        for (k, cocycle) in basis.carried().iter().enumerate() {
+            for &(half_edge, value) in cocycle {
+                if let Ok(sample) = chosen.binary_search(&((half_edge / 3) as usize)) {
+                    sides[sample * classes + k][(half_edge % 3) as usize] = f64::from(value);
+                }
+            }
+        }
+        let (mut real, mut imaginary) = (
+            DMatrix::zeros(samples, classes),
+            DMatrix::zeros(samples, classes),
+        );
+        for (sample, &face) in chosen.iter().enumerate() {
+            let corners = triangulation.faces[face].map(|v| v as usize);
+            for k in 0..classes {
+                let f = corners.map(|v| basis.potentials()[(v, k)]);
+                let integers = sides[sample * classes + k];
+                let along = [0, 2].map(|i| integers[i] + f[(i + 1) % 3] - f[i]);
+                let [x, y] = gradient(triangulation.lengths[face], along);
+                real[(sample, k)] = 0.5 * x;
+                imaginary[(sample, k)] = -0.5 * y;
+            }
+        }
+        let c = basis.conjugation();
+        let parts = [&real - &imaginary * c, &imaginary + &real * c];
+        let areas: Vec<f64> = chosen
+            .iter()
+            .map(|&f| triangle_area(triangulation.lengths[f]))
+            .collect();
+        let total: f64 = areas.iter().sum();
+        let weights = areas.iter().map(|area| area / total).collect();
+        Self::from_parts(&parts, weights)
+    }
+
+    fn from_parts(parts: &[DMatrix<f64>; 2], weights: Vec<f64>) -> Self {
+        let classes = parts[0].ncols();
+        let samples = parts[0].nrows();
+        let mut rows = Vec::with_capacity(2 * classes * samples);
+        for sample in 0..samples {
+            for part in parts {
+                rows.extend((0..classes).map(|k| part[(sample, k)]));
+            }
+        }
+        Self {
+            rows,
+            classes,
+            weights,
+            floor: 0.0,
+        }
+    }
+
+    /// Returns the same measure for coefficients `x` of which the old ones are `basis * x`.
+    pub(crate) fn in_basis(&self, basis: &DMatrix<f64>) -> Self {
+        let samples = self.weights.len();
+        let part = |offset: usize| {
+            DMatrix::from_fn(samples, self.classes, |sample, k| {
+                self.rows[(2 * sample + offset) * self.classes + k]
+            }) * basis
+        };
+        let mut changed = Self::from_parts(&[part(0), part(1)], self.weights.clone());
+        let squares: f64 = changed
+            .rows
+            .chunks_exact(2 * self.classes)
+            .zip(&self.weights)
+            .map(|(row, weight)| weight * row.iter().map(|q| q * q).sum::<f64>())
+            .sum();
+        changed.floor = FLOOR * FLOOR * squares / self.classes as f64;
+        changed
+    }
+
+    /// Returns the weighted variance of `log |ω|` of a form with these coefficients.
+    pub(crate) fn variance(&self, coefficients: &DVector<f64>) -> f64 {
+        let lengths = self.derivatives(coefficients);
+        let squares = lengths.iter().zip(&self.weights);
+        let floor = FLOOR * FLOOR * squares.map(|([a, b], w)| w * (a * a + b * b)).sum::<f64>();
+        let logs = lengths
+            .iter()
+            .map(|[a, b]| 0.5 * (a * a + b * b + floor).ln());
+        let logs: Vec<f64> = logs.collect();
+        let mean = mean(&logs, &self.weights);
+        let squares = logs.iter().zip(&self.weights);
+        squares
+            .map(|(log, w)| w * (log - mean) * (log - mean))
+            .sum()
+    }
+
+    /// Returns coefficients of unit length of locally least variance, and that variance.
+    pub(crate) fn minimise(&self, start: DVector<f64>) -> (f64, DVector<f64>) {
+        let unit = |x: &DVector<f64>| x / x.norm();
+        let (_, x) = minimise(self, unit(&start));
+        let x = unit(&x);
+        (self.variance(&x), x)
+    }
+
+    fn derivatives(&self, x: &DVector<f64>) -> Vec<[f64; 2]> {
+        let product = |q: &[f64]| q.iter().zip(x).map(|(q, x)| q * x).sum::<f64>();
+        let rows = self.rows.chunks_exact(2 * self.classes);
+        rows.map(|row| {
+            let (real, imaginary) = row.split_at(self.classes);
+            [product(real), product(imaginary)]
+        })
+        .collect()
+    }
+}
+
+impl Objective for Uniformity {
+    /// The variance at `x / |x|`, and its derivatives by `x`.
+    fn evaluate(&self, x: &DVector<f64>) -> (f64, DVector<f64>) {
+        let norm = x.norm();
+        let x = x / norm;
+        let lengths = self.derivatives(&x);
+        let squares: Vec<f64> = lengths
+            .iter()
+            .map(|[a, b]| a * a + b * b + self.floor)
+            .collect();
+        let logs: Vec<f64> = squares.iter().map(|s| 0.5 * s.ln()).collect();
+        let mean = mean(&logs, &self.weights);
+        let mut value = 0.0;
+        let mut gradient = DVector::zeros(self.classes);
+        let rows = self.rows.chunks_exact(2 * self.classes);
+        for (((row, [a, b]), (log, square)), weight) in rows
+            .zip(&lengths)
+            .zip(logs.iter().zip(&squares))
+            .zip(&self.weights)
+        {
+            value += weight * (log - mean) * (log - mean);
+            let factor = 2.0 * weight * (log - mean) / square;
+            let (real, imaginary) = row.split_at(self.classes);
+            for (sum, (p, q)) in gradient.iter_mut().zip(real.iter().zip(imaginary)) {
+                *sum += factor * (a * p + b * q);
+            }
+        }
+        let radial = gradient.dot(&x);
+        (value, (gradient - x * radial) / norm)
+    }
+}
+
+/// The gradient of a form on a face in the plane, corner 0 at the origin and side 0 along the first
+/// axis; `along` are its values on sides 0 and 2.
+fn gradient(lengths: [f64; 3], along: [f64; 2]) -> [f64; 2] {
+    let [l, opposite, side] = lengths;
+    let height = 2.0 * triangle_area(lengths) / l;
+    let foot = (side * side + (l - opposite) * (l + opposite)) / (2.0 * l);
+    let x = along[0] / l;
+    [x, (-along[1] - foot * x) / height]
+}
+
+fn mean(values: &[f64], weights: &[f64]) -> f64 {
+    values.iter().zip(weights).map(|(v, w)| v * w).sum()
+}
