@@ -7,6 +7,8 @@
 //! # Reference
 //! [He2005] §3.3, steps 1 to 6 of the affine atlas.
 
+use std::collections::BTreeSet;
+
 use msplines_common::mesh::{FlipComplex, SurfacePoint, TriangleMesh, split_at};
 use msplines_common::operators::intrinsic::{
     FlipRule, IntrinsicTriangulation, intrinsic_delaunay_by,
@@ -19,7 +21,10 @@ use crate::flat::{FlatComplex, cross, remeshed};
 use crate::zeros::{Findings, Zero, find};
 
 /// Local refinements before a mesh is given up.
-pub const ROUNDS: usize = 6;
+pub const ROUNDS: usize = 8;
+
+/// Rounds in which weights are relaxed where faces fold, before faces are split there too.
+const RELAXATIONS: usize = 4;
 
 /// A mesh laid out in the plane by a closed complex 1-form, apart from holes at its zeros.
 #[derive(Clone, Debug)]
@@ -41,7 +46,16 @@ impl Atlas {
     /// # Panics
     /// If there is not one vector per half-edge.
     pub fn of_form(mesh: &TriangleMesh, form: &[[f64; 2]]) -> Result<Self, ConformalError> {
-        let ground = Ground::build(mesh)?;
+        let triangulation = intrinsic_delaunay_by(mesh, FlipRule::Simplicial)?;
+        let carried = [0, 1].map(|part| {
+            let mut values: Vec<f64> = form.iter().map(|v| v[part]).collect();
+            triangulation.carry(&mut values);
+            values
+        });
+        let form = (0..form.len())
+            .map(|h| [carried[0][h], carried[1][h]])
+            .collect();
+        let ground = Ground::build(mesh, &triangulation);
         let (flat, findings) = ground.lay_out(form);
         if findings.is_clean() {
             ground.atlas(flat, findings.zeros, mesh.vertex_count(), 0)
@@ -60,14 +74,15 @@ impl Atlas {
     /// As [`HolomorphicBasis::build`] and [`FormChoice::candidates`]; a mesh that stays too coarse.
     pub fn closed(mesh: &TriangleMesh, choice: &FormChoice) -> Result<ClosedAtlas, ConformalError> {
         let mut refined = mesh.clone();
+        let mut relaxed: Vec<u32> = Vec::new();
         let mut round = 0;
         loop {
-            let basis = HolomorphicBasis::build(&refined)?;
-            let ground = Ground::build(&refined)?;
+            let basis = HolomorphicBasis::relaxed_at(&refined, &relaxed)?;
+            let ground = Ground::build(&refined, basis.triangulation());
             let mut worst: Option<(FlatComplex, Findings)> = None;
             for candidate in choice.candidates(&basis)? {
-                let form = basis.form_on_mesh(&refined, [&candidate.real, &candidate.imaginary]);
-                let (flat, findings) = ground.lay_out(&form);
+                let form = basis.form([&candidate.real, &candidate.imaginary]);
+                let (flat, findings) = ground.lay_out(form);
                 if findings.is_clean() {
                     let count = mesh.vertex_count();
                     let atlas = ground.atlas(flat, findings.zeros, count, round)?;
@@ -88,8 +103,14 @@ impl Atlas {
             let Some((flat, findings)) = worst else {
                 return Err(ConformalError::ZeroForm);
             };
-            let next = refine(&refined, &flat, &findings).filter(|_| round < ROUNDS);
-            refined = next.ok_or_else(|| failure(&flat, &findings, round))?;
+            if round == ROUNDS {
+                return Err(failure(&flat, &findings, round));
+            }
+            relax(&mut relaxed, round + 1, &flat, &findings);
+            if round >= RELAXATIONS || !findings.not_disks.is_empty() {
+                let next = refine(&refined, &flat, &findings);
+                refined = next.ok_or_else(|| failure(&flat, &findings, round))?;
+            }
             round += 1;
         }
     }
@@ -171,28 +192,22 @@ pub struct ClosedAtlas {
 }
 
 /// The triangulation that forms are laid out on.
-struct Ground {
-    mesh: TriangleMesh,
-    triangulation: IntrinsicTriangulation,
-    flipped: FlipComplex,
+struct Ground<'a> {
+    mesh: &'a TriangleMesh,
+    glued: FlipComplex,
 }
 
-impl Ground {
-    fn build(mesh: &TriangleMesh) -> Result<Self, ConformalError> {
-        let triangulation = intrinsic_delaunay_by(mesh, FlipRule::Simplicial)?;
-        let mut flipped = FlipComplex::of(mesh.topology());
+impl<'a> Ground<'a> {
+    fn build(mesh: &'a TriangleMesh, triangulation: &IntrinsicTriangulation) -> Self {
+        let mut glued = FlipComplex::of(mesh.topology());
         for &[half_edge, _] in &triangulation.flips {
-            flipped.flip(half_edge);
+            glued.flip(half_edge);
         }
-        Ok(Self {
-            mesh: mesh.clone(),
-            triangulation,
-            flipped,
-        })
+        Self { mesh, glued }
     }
 
-    fn lay_out(&self, form: &[[f64; 2]]) -> (FlatComplex, Findings) {
-        let mut flat = FlatComplex::of(&self.flipped, &self.triangulation, form);
+    fn lay_out(&self, form: Vec<[f64; 2]>) -> (FlatComplex, Findings) {
+        let mut flat = FlatComplex::of(&self.glued, form);
         flat.unfold();
         let findings = find(&flat, self.mesh.vertex_count());
         (flat, findings)
@@ -205,7 +220,7 @@ impl Ground {
         input_vertices: usize,
         refinements: usize,
     ) -> Result<Atlas, ConformalError> {
-        let mesh = remeshed(&self.mesh, flat.faces()).ok_or_else(|| ConformalError::TooCoarse {
+        let mesh = remeshed(self.mesh, flat.faces()).ok_or_else(|| ConformalError::TooCoarse {
             vertex: zeros.first().map_or(0, |zero| zero.vertices[0]),
             rounds: refinements,
         })?;
@@ -238,6 +253,28 @@ impl Atlas {
             .iter_mut()
             .for_each(|v| *v = v.map(|x| x * factor));
     }
+}
+
+/// Adds the corners of faces that are wrong, and so many rings around them, to the relaxed vertices.
+fn relax(relaxed: &mut Vec<u32>, rings: usize, flat: &FlatComplex, findings: &Findings) {
+    let folded = findings
+        .folded
+        .iter()
+        .flat_map(|&f| flat.faces()[f as usize]);
+    let mut wrong: BTreeSet<u32> = folded
+        .chain(findings.inconsistent.iter().copied())
+        .collect();
+    for _ in 0..rings {
+        let beside = flat
+            .faces()
+            .iter()
+            .filter(|f| f.iter().any(|v| wrong.contains(v)));
+        let beside: Vec<u32> = beside.flatten().copied().collect();
+        wrong.extend(beside);
+    }
+    relaxed.extend(wrong);
+    relaxed.sort_unstable();
+    relaxed.dedup();
 }
 
 /// Splits the faces of the mesh around what is wrong into four; nothing if nothing is there.

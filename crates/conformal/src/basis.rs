@@ -15,15 +15,31 @@
 //! [Gu2003] §4; [Mercat2001] §1. Deviation: conjugates by wedge products on the intrinsic Delaunay
 //! triangulation, see docs/papers/he2005.md.
 
-use msplines_common::linalg::{Mat, column_mut};
 use msplines_common::mesh::TriangleMesh;
-use msplines_common::operators::intrinsic::{IntrinsicTriangulation, intrinsic_delaunay};
+use msplines_common::operators::intrinsic::{
+    DELAUNAY_TOLERANCE, FlipRule, IntrinsicTriangulation, intrinsic_delaunay_by,
+};
 use msplines_common::operators::{Poisson, assemble, half_cotangents};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::error::ConformalError;
 use crate::homology::{Cocycle, Homology};
+use crate::potentials::Potentials;
+
+/// Weight of an edge that could not be flipped although its cotangents sum to less than zero.
+///
+/// Such edges surround the tips of needles, where another flip would wind an edge around the tip and
+/// leave it with one neighbour, on which it would be laid. Any positive weights let none fold there;
+/// this one is that of two angles of 84 degrees.
+const NEEDLE_WEIGHT: f64 = 0.1;
+
+/// Least weight of all edges. Weights of zero, as cocircular points have them, may leave a vertex on
+/// the segment between two others, and its faces without area.
+const LEAST_WEIGHT: f64 = 1e-3;
+
+/// Weight of all edges at relaxed vertices: that of equilateral triangles.
+const EQUAL_WEIGHT: f64 = 0.577;
 
 /// Determinants of integer matrices further from 1 than this are wrong.
 const UNIMODULAR: f64 = 1e-6;
@@ -33,63 +49,76 @@ const UNIMODULAR: f64 = 1e-6;
 pub struct HolomorphicBasis {
     homology: Homology,
     triangulation: IntrinsicTriangulation,
-    /// The forms `W_k` on the half-edges of the triangulation.
-    carried: Vec<Cocycle>,
-    /// The functions `f_k`, one column each.
-    potentials: Mat<f64>,
+    potentials: Potentials,
     gram: DMatrix<f64>,
     conjugation: DMatrix<f64>,
     /// `|C² + I|`, root mean square of the entries: the error of the discretisation.
     pub conjugation_defect: f64,
     /// Largest flux `|dᵀ c H_k|` out of a vertex, relative to the largest flux through an edge.
     pub co_closedness: f64,
+    /// Number of edges whose weight is not that of the cotangents.
+    pub changed_edges: usize,
 }
 
 impl HolomorphicBasis {
-    /// Builds the basis: one factorisation and 2g right-hand sides.
+    /// Builds the basis: one factorisation and 2g right-hand sides, solved thrice.
     ///
     /// # Errors
     /// A boundary, several components, genus 0, or coordinates that are not finite.
     pub fn build(mesh: &TriangleMesh) -> Result<Self, ConformalError> {
+        Self::relaxed_at(mesh, &[])
+    }
+
+    /// Builds the basis with equal weights on all edges at some vertices, ascending.
+    ///
+    /// # Errors
+    /// As [`Self::build`].
+    pub(crate) fn relaxed_at(
+        mesh: &TriangleMesh,
+        vertices: &[u32],
+    ) -> Result<Self, ConformalError> {
         let homology = Homology::build(mesh.topology())?;
         if homology.genus() == 0 {
             return Err(ConformalError::NoForm);
         }
-        let triangulation = intrinsic_delaunay(mesh)?;
-        let carried: Vec<Cocycle> = homology
-            .cocycles
-            .par_iter()
-            .map(|cocycle| carry(&triangulation, cocycle))
-            .collect();
-        let weights: Vec<f64> = triangulation
+        let triangulation = intrinsic_delaunay_by(mesh, FlipRule::Simplicial)?;
+        let cocycles = homology.cocycles.par_iter();
+        let carried: Vec<Cocycle> = cocycles.map(|w| carry(&triangulation, w)).collect();
+        let mut operators = assemble(
+            mesh.vertex_count(),
+            &triangulation.faces,
+            &triangulation.lengths,
+        );
+        let mut weights: Vec<f64> = triangulation
             .lengths
             .par_iter()
             .flat_map_iter(|&sides| half_cotangents(sides))
             .collect();
-        let (potentials, co_closedness) =
-            potentials(mesh.vertex_count(), &triangulation, &weights, &carried)?;
-        let mut basis = Self {
-            gram: gram(&triangulation, &weights, &carried, &potentials),
-            conjugation: DMatrix::zeros(0, 0),
-            conjugation_defect: 0.0,
-            co_closedness,
+        let changes = change_weights(&triangulation, vertices, &mut weights);
+        operators.laplacian.add_to_entries(&changes);
+        let poisson = Poisson::factor(&operators)?;
+        let mut potentials = Potentials::start(mesh.vertex_count(), &triangulation.faces, &carried);
+        let co_closedness = potentials.solve(&poisson, &weights);
+        let gram = gram(&potentials, &weights, &carried);
+        let conjugation = inverse_wedges(&homology.cocycles)? * &gram;
+        let classes = carried.len();
+        let defect = &conjugation * &conjugation + DMatrix::identity(classes, classes);
+        Ok(Self {
             homology,
             triangulation,
-            carried,
             potentials,
-        };
-        basis.conjugation = inverse_wedges(&basis.homology.cocycles)? * &basis.gram;
-        let classes = basis.classes();
-        let square = &basis.conjugation * &basis.conjugation;
-        let defect = square + DMatrix::identity(classes, classes);
-        basis.conjugation_defect = defect.norm() / classes as f64;
-        Ok(basis)
+            gram,
+            conjugation_defect: defect.norm() / classes as f64,
+            conjugation,
+            co_closedness,
+            changed_edges: changes.len() / 4,
+        })
     }
 
     /// Returns the number of real classes, 2g.
     #[must_use]
     pub fn classes(&self) -> usize {
-        self.carried.len()
+        self.homology.cocycles.len()
     }
 
     /// Returns the number of handles.
@@ -104,7 +133,8 @@ impl HolomorphicBasis {
         &self.homology
     }
 
-    /// Returns the intrinsic Delaunay triangulation that the forms are harmonic on.
+    /// Returns the triangulation that the forms are harmonic on: Delaunay as far as it has the faces of
+    /// an ordinary mesh.
     #[must_use]
     pub fn triangulation(&self) -> &IntrinsicTriangulation {
         &self.triangulation
@@ -131,63 +161,22 @@ impl HolomorphicBasis {
         &self.conjugation
     }
 
-    /// Returns, by half-edge of the mesh, the holomorphic form whose real and imaginary parts have
-    /// these coefficients.
+    /// Returns, by half-edge of [`Self::triangulation`], the form whose real and imaginary parts have
+    /// these coefficients. O(g n).
     ///
     /// # Panics
     /// If there is not one coefficient per class.
     #[must_use]
-    pub fn form_on_mesh(&self, mesh: &TriangleMesh, parts: [&DVector<f64>; 2]) -> Vec<[f64; 2]> {
-        self.form_on(mesh.faces(), &self.homology.cocycles, parts)
+    pub fn form(&self, parts: [&DVector<f64>; 2]) -> Vec<[f64; 2]> {
+        parts
+            .iter()
+            .for_each(|a| assert_eq!(a.len(), self.classes(), "one per class"));
+        self.potentials.combine(parts.map(DVector::as_slice))
     }
 
-    /// Returns the same form by half-edge of the intrinsic triangulation.
-    ///
-    /// # Panics
-    /// If there is not one coefficient per class.
-    #[must_use]
-    pub fn form_on_triangulation(&self, parts: [&DVector<f64>; 2]) -> Vec<[f64; 2]> {
-        self.form_on(&self.triangulation.faces, &self.carried, parts)
-    }
-
-    fn form_on(
-        &self,
-        faces: &[[u32; 3]],
-        cocycles: &[Cocycle],
-        parts: [&DVector<f64>; 2],
-    ) -> Vec<[f64; 2]> {
-        let functions: Vec<[f64; 2]> = (0..self.potentials.nrows())
-            .into_par_iter()
-            .map(|vertex| {
-                parts.map(|a| {
-                    let row = (0..a.len()).map(|k| a[k] * self.potentials[(vertex, k)]);
-                    row.sum::<f64>()
-                })
-            })
-            .collect();
-        let differences = faces.par_iter().flat_map_iter(|corners| {
-            let at = corners.map(|v| functions[v as usize]);
-            (0..3).map(move |i| [0, 1].map(|part| at[(i + 1) % 3][part] - at[i][part]))
-        });
-        let mut form: Vec<[f64; 2]> = differences.collect();
-        for (k, cocycle) in cocycles.iter().enumerate() {
-            for &(half_edge, value) in cocycle {
-                let place = &mut form[half_edge as usize];
-                place[0] += parts[0][k] * f64::from(value);
-                place[1] += parts[1][k] * f64::from(value);
-            }
-        }
-        form
-    }
-
-    /// Returns the functions `f_k`, one column each.
-    pub(crate) fn potentials(&self) -> &Mat<f64> {
+    /// Returns the forms `W_k` and the functions `f_k`.
+    pub(crate) fn potentials(&self) -> &Potentials {
         &self.potentials
-    }
-
-    /// Returns the forms `W_k` by half-edge of the intrinsic triangulation.
-    pub(crate) fn carried(&self) -> &[Cocycle] {
-        &self.carried
     }
 }
 
@@ -202,71 +191,60 @@ fn carry(triangulation: &IntrinsicTriangulation, cocycle: &Cocycle) -> Cocycle {
     entries.filter(|entry| entry.1 != 0).collect()
 }
 
-/// Returns the functions that make the forms co-closed, and the relative flux that remains.
-fn potentials(
-    vertices: usize,
+/// Raises weights that are too small, makes those at the relaxed vertices equal, and returns what that
+/// adds to `L`: four entries for each edge.
+fn change_weights(
     triangulation: &IntrinsicTriangulation,
-    weights: &[f64],
-    carried: &[Cocycle],
-) -> Result<(Mat<f64>, f64), ConformalError> {
-    let faces = &triangulation.faces;
-    let operators = assemble(vertices, faces, &triangulation.lengths);
-    let poisson = Poisson::factor(&operators)?;
-    let mut flux: Mat<f64> = Mat::zeros(vertices, carried.len());
-    let mut scale = 0.0f64;
-    for (k, cocycle) in carried.iter().enumerate() {
-        let column = column_mut(flux.as_mut(), k);
-        for &(half_edge, value) in cocycle {
-            let [from, to] = ends(faces, half_edge);
-            let through = weights[half_edge as usize] * f64::from(value);
-            scale = scale.max(through.abs());
-            column[to] -= through;
-            column[from] += through;
+    relaxed: &[u32],
+    weights: &mut [f64],
+) -> Vec<(u32, u32, f64)> {
+    let is_relaxed = |v: u32| relaxed.binary_search(&v).is_ok();
+    let mut entries = Vec::new();
+    for (one, &other) in triangulation.twins.iter().enumerate() {
+        let other = other as usize;
+        if other < one {
+            continue;
+        }
+        let halves = [weights[one], weights[other]];
+        let weight = halves[0] + halves[1];
+        let rounding = DELAUNAY_TOLERANCE * (1.0 + halves[0].abs() + halves[1].abs());
+        let [a, b] = [one, other].map(|h| triangulation.faces[h / 3][h % 3]);
+        let wanted = if is_relaxed(a) || is_relaxed(b) {
+            EQUAL_WEIGHT
+        } else if weight < -rounding {
+            NEEDLE_WEIGHT
+        } else {
+            weight.max(LEAST_WEIGHT)
+        };
+        if wanted != weight {
+            weights[one] = 0.5 * wanted;
+            weights[other] = 0.5 * wanted;
+            let added = wanted - weight;
+            entries.extend([(a, a, added), (b, b, added), (a, b, -added), (b, a, -added)]);
         }
     }
-    let mut found = flux.clone();
-    poisson.solve_in_place(found.as_mut());
-    // One step of refinement takes the fluxes down to rounding on slivers too.
-    let mut rest = &flux - operators.laplacian.multiply(found.as_ref());
-    poisson.solve_in_place(rest.as_mut());
-    found += &rest;
-    let remaining = &flux - operators.laplacian.multiply(found.as_ref());
-    let largest = remaining.col_iter().flat_map(|c| c.iter().copied());
-    let largest = largest.fold(0.0f64, |a, b| a.max(b.abs()));
-    Ok((found, largest / scale))
+    entries
 }
 
 /// Inner products `G_ij = W_iᵀ c H_j`: what `H_i` adds to `W_i` is orthogonal to harmonic forms.
-fn gram(
-    triangulation: &IntrinsicTriangulation,
-    weights: &[f64],
-    carried: &[Cocycle],
-    potentials: &Mat<f64>,
-) -> DMatrix<f64> {
+fn gram(potentials: &Potentials, weights: &[f64], carried: &[Cocycle]) -> DMatrix<f64> {
     let classes = carried.len();
     let rows: Vec<Vec<f64>> = carried
         .par_iter()
         .map(|cocycle| {
             let mut row = vec![0.0; classes];
+            let mut sides = vec![[0.0; 3]; classes];
             for &(half_edge, value) in cocycle {
                 let through = weights[half_edge as usize] * f64::from(value);
-                let [from, to] = ends(&triangulation.faces, half_edge);
-                for (j, sum) in row.iter_mut().enumerate() {
-                    *sum += through * (potentials[(to, j)] - potentials[(from, j)]);
+                potentials.sides((half_edge / 3) as usize, &mut sides);
+                for (sum, side) in row.iter_mut().zip(&sides) {
+                    *sum += through * side[(half_edge % 3) as usize];
                 }
             }
             row
         })
         .collect();
-    // The part of W_j on the support of W_i.
-    let mut gram = DMatrix::from_fn(classes, classes, |i, j| rows[i][j]);
-    for i in 0..classes {
-        for j in 0..classes {
-            let shared = common_entries(&carried[i], &carried[j]);
-            let products = shared.map(|(h, a, b)| weights[h as usize] * f64::from(a * b));
-            gram[(i, j)] += products.sum::<f64>();
-        }
-    }
+    let gram = DMatrix::from_fn(classes, classes, |i, j| rows[i][j]);
     0.5 * (&gram + gram.transpose())
 }
 
@@ -320,10 +298,4 @@ fn common_entries<'a, T: Copy>(
         let found = rest.first().filter(|entry| entry.0 == key)?;
         Some((key, a, found.1))
     })
-}
-
-fn ends(faces: &[[u32; 3]], half_edge: u32) -> [usize; 2] {
-    let corners = faces[(half_edge / 3) as usize];
-    let i = (half_edge % 3) as usize;
-    [corners[i] as usize, corners[(i + 1) % 3] as usize]
 }

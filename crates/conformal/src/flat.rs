@@ -7,7 +7,6 @@
 use std::f64::consts::TAU;
 
 use msplines_common::mesh::{FlipComplex, NONE, Topology, TriangleMesh, carry_flip, sides_around};
-use msplines_common::operators::intrinsic::IntrinsicTriangulation;
 
 /// A vector of the plane.
 pub(crate) type Flat = [f64; 2];
@@ -20,23 +19,11 @@ pub(crate) struct FlatComplex {
 }
 
 impl FlatComplex {
-    /// Returns the triangles of a mesh whose edges were flipped, flattened by a form on its
-    /// half-edges.
-    pub(crate) fn of(
-        flipped: &FlipComplex,
-        triangulation: &IntrinsicTriangulation,
-        form: &[Flat],
-    ) -> Self {
-        let carried = [0, 1].map(|part| {
-            let mut values: Vec<f64> = form.iter().map(|v| v[part]).collect();
-            triangulation.carry(&mut values);
-            values
-        });
+    /// Returns the triangles of a triangulation, flattened by a form on its half-edges.
+    pub(crate) fn of(glued: &FlipComplex, form: Vec<Flat>) -> Self {
         Self {
-            glued: flipped.clone(),
-            vectors: (0..form.len())
-                .map(|h| [carried[0][h], carried[1][h]])
-                .collect(),
+            glued: glued.clone(),
+            vectors: form,
         }
     }
 

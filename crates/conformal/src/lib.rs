@@ -7,6 +7,7 @@ mod descent;
 mod error;
 mod flat;
 mod homology;
+mod potentials;
 mod uniformity;
 mod zeros;
 

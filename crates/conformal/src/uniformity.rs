@@ -33,25 +33,15 @@ impl Uniformity {
         let samples = faces.min(SAMPLES);
         let chosen: Vec<usize> = (0..samples).map(|i| i * faces / samples).collect();
         let classes = basis.classes();
-        let mut sides = vec![[0.0; 3]; samples * classes];
-        for (k, cocycle) in basis.carried().iter().enumerate() {
-            for &(half_edge, value) in cocycle {
-                if let Ok(sample) = chosen.binary_search(&((half_edge / 3) as usize)) {
-                    sides[sample * classes + k][(half_edge % 3) as usize] = f64::from(value);
-                }
-            }
-        }
         let (mut real, mut imaginary) = (
             DMatrix::zeros(samples, classes),
             DMatrix::zeros(samples, classes),
         );
+        let mut sides = vec![[0.0; 3]; classes];
         for (sample, &face) in chosen.iter().enumerate() {
-            let corners = triangulation.faces[face].map(|v| v as usize);
-            for k in 0..classes {
-                let f = corners.map(|v| basis.potentials()[(v, k)]);
-                let integers = sides[sample * classes + k];
-                let along = [0, 2].map(|i| integers[i] + f[(i + 1) % 3] - f[i]);
-                let [x, y] = gradient(triangulation.lengths[face], along);
+            basis.potentials().sides(face, &mut sides);
+            for (k, along) in sides.iter().enumerate() {
+                let [x, y] = gradient(triangulation.lengths[face], [along[0], along[2]]);
                 real[(sample, k)] = 0.5 * x;
                 imaginary[(sample, k)] = -0.5 * y;
             }

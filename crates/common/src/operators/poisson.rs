@@ -54,9 +54,21 @@ impl Poisson {
     /// If `b` has not one row per vertex.
     pub fn solve_in_place(&self, mut b: MatMut<'_, f64>) {
         for side in 0..b.ncols() {
-            let values = column_mut(b.rb_mut(), side);
-            remove_mean(values);
-            values[self.grounded] = 0.0;
+            remove_mean(column_mut(b.rb_mut(), side));
+        }
+        self.solve_balanced_in_place(b);
+    }
+
+    /// Replaces `b`, whose columns sum to zero, by a solution of `L x = b`, zero at one vertex.
+    ///
+    /// What the sum misses is taken from that vertex, and nothing elsewhere: where `b` has tiny
+    /// entries, a mean of rounding errors would swamp them.
+    ///
+    /// # Panics
+    /// If `b` has not one row per vertex.
+    pub fn solve_balanced_in_place(&self, mut b: MatMut<'_, f64>) {
+        for side in 0..b.ncols() {
+            column_mut(b.rb_mut(), side)[self.grounded] = 0.0;
         }
         self.factor.solve_in_place(b);
     }
