@@ -34,6 +34,7 @@
 //! | creases | text | | | |
 //! | npy | floating-point and whole numbers, both byte orders | binary | double | |
 
+mod bezier;
 mod curves;
 mod digest;
 mod error;
@@ -50,6 +51,7 @@ mod text;
 mod volume;
 mod vtu;
 
+pub use bezier::write_cells;
 pub use curves::{Creases, parse_creases, parse_curves, read_creases, read_curves};
 pub use digest::sha256_file;
 pub use error::{Place, ReadError};

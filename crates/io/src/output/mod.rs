@@ -85,6 +85,17 @@ pub enum WriteError {
         /// Those of a cell.
         per_cell: usize,
     },
+    /// Bézier cells of degree 0.
+    #[error("a Bézier cell of degree 0 is one point and no cell of VTK; raise its degree to 1")]
+    BezierDegree,
+    /// A weight of a control point that is not a positive number.
+    #[error("the weight of control point {point} is {weight}; weights are positive and finite")]
+    BezierWeight {
+        /// The control point.
+        point: usize,
+        /// Its weight.
+        weight: f64,
+    },
     /// A cell names a vertex that does not exist.
     #[error("cell {cell} names vertex {vertex}, but there are {vertices} vertices")]
     CellIndexOutOfRange {
@@ -207,6 +218,18 @@ pub fn write_surface(path: &Path, surface: &Surface<'_>) -> Result<(), WriteErro
     }
 }
 
+/// Refuses positions that are not finite.
+pub(crate) fn check_positions(positions: &[Point3<f64>]) -> Result<(), WriteError> {
+    let infinite = |p: &Point3<f64>| p.iter().any(|x| !x.is_finite());
+    match positions.iter().position(infinite) {
+        Some(vertex) => Err(WriteError::NotFinite {
+            name: "position".to_owned(),
+            vertex,
+        }),
+        None => Ok(()),
+    }
+}
+
 fn check(surface: &Surface<'_>) -> Result<(), WriteError> {
     let vertices = surface.positions.len();
     for (face, corners) in surface.faces.iter().enumerate() {
@@ -218,13 +241,7 @@ fn check(surface: &Surface<'_>) -> Result<(), WriteError> {
             });
         }
     }
-    let infinite = |p: &Point3<f64>| p.iter().any(|x| !x.is_finite());
-    if let Some(vertex) = surface.positions.iter().position(infinite) {
-        return Err(WriteError::NotFinite {
-            name: "position".to_owned(),
-            vertex,
-        });
-    }
+    check_positions(surface.positions)?;
     for (i, attribute) in surface.attributes.iter().enumerate() {
         let name = &attribute.name;
         let taken = surface.attributes[..i]

@@ -1,5 +1,6 @@
 //! Reading and writing whole files.
 
+mod bezier;
 mod common;
 mod curves;
 mod errors;
