@@ -27,8 +27,13 @@ const VTK_BEZIER_TRIANGLE: u8 = 76;
 const VTK_BEZIER_QUADRILATERAL: u8 = 77;
 /// VTK's number for a cell that is a Bézier hexahedron.
 const VTK_BEZIER_HEXAHEDRON: u8 = 79;
-/// What VTK looks for by a role and not by its name; here the two are the same.
-const ROLES: [&str; 2] = ["RationalWeights", "HigherOrderDegrees"];
+/// What VTK looks for by a role and not by its name, which here are the same, with its components.
+const ROLES: [(&str, usize); 3] = [
+    (NORMALS, 3),
+    ("RationalWeights", 1),
+    ("HigherOrderDegrees", 3),
+];
+const NORMALS: &str = "Normals";
 /// Version of the format that all readers take.
 const VERSION: &str = "1.0";
 /// The version since which upright edges of cells of higher degree run around like their corners.
@@ -46,7 +51,7 @@ struct Cells<'a> {
 /// Data of vertices or cells: name, components, values.
 type Data<'a> = (&'a str, usize, &'a [f64]);
 
-/// Writes a surface as triangle cells, its attributes as point data.
+/// Writes a surface as triangle cells, its normals and attributes as point data.
 pub(crate) fn write(surface: &Surface<'_>, to: &mut dyn Write) -> io::Result<()> {
     let cells = Cells {
         count: surface.faces.len(),
@@ -54,10 +59,15 @@ pub(crate) fn write(surface: &Surface<'_>, to: &mut dyn Write) -> io::Result<()>
         kind: VTK_TRIANGLE,
         vertex: &|place| surface.faces[place / 3][place % 3] as usize,
     };
+    let normals = surface.normals.map(|normals| {
+        let numbers = normals.iter().flat_map(|n| [n.x, n.y, n.z]);
+        numbers.collect::<Vec<f64>>()
+    });
+    let normals = normals.as_deref().map(|values| (NORMALS, 3, values));
     let attributes = surface.attributes.iter();
-    let data: Vec<Data<'_>> = attributes
-        .map(|attribute| (attribute.name.as_str(), 1, attribute.values.as_slice()))
-        .collect();
+    let attributes =
+        attributes.map(|attribute| (attribute.name.as_str(), 1, attribute.values.as_slice()));
+    let data: Vec<Data<'_>> = normals.into_iter().chain(attributes).collect();
     write_grid(surface.positions, &cells, &data, &[], to)
 }
 
@@ -147,8 +157,8 @@ fn write_grid(
 }
 
 fn write_data<W: Write>(name: &str, data: &[Data<'_>], xml: &mut Writer<W>) -> io::Result<()> {
-    let has = |role: &&str| data.iter().any(|(name, ..)| name == role);
-    let roles = ROLES.into_iter().filter(has).map(|role| (role, role));
+    let has = |role: &(&str, usize)| data.iter().any(|&(name, n, _)| (name, n) == *role);
+    let roles = ROLES.into_iter().filter(has).map(|(role, _)| (role, role));
     let element = xml.create_element(name).with_attributes(roles);
     element.write_inner_content(|xml| {
         for &(name, components, values) in data {

@@ -44,7 +44,7 @@ pub use defect::{Defect, Remedy};
 pub use facts::{Facts, Range};
 pub use preflight::{Preflight, preflight};
 pub use repairs::{Affected, Repair};
-pub use soup::{PolygonSoup, VertexAttribute};
+pub use soup::{PolygonSoup, VertexAttribute, vertex_normals};
 pub use split::{SplitError, SplitMesh, split_at};
 pub use subdivision::{
     SubdivisionMap, edge_pieces, subdivide_butterfly, subdivide_loop, subdivide_midpoint,

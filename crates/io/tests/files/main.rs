@@ -2,6 +2,7 @@
 
 mod bezier;
 mod common;
+mod corners;
 mod curves;
 mod errors;
 mod libraries;
