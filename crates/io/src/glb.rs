@@ -269,8 +269,10 @@ fn smooth_normals(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<[f32; 3]> {
 
 /// Returns a vector of length 1.
 fn unit(vector: Vector3<f64>) -> [f32; 3] {
-    // Where faces have no area or cancel out there is no normal, but the format wants one.
-    let unit = vector.try_normalize(0.0).unwrap_or(Vector3::z());
+    // Divided first, so that no square overflows or vanishes. Where faces have no area or cancel out
+    // there is no normal, but the format wants one.
+    let scaled = vector / vector.amax();
+    let unit = scaled.try_normalize(0.0).unwrap_or(Vector3::z());
     unit.map(|x| x as f32).into()
 }
 

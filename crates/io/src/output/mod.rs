@@ -227,8 +227,8 @@ pub enum WriteError {
 ///
 /// # Errors
 /// The extension is unknown, the file cannot be written, or the surface is not fit to be: an index
-/// out of range, a number that is not finite, an attribute of another length or
-/// without a name of its own, more than the format can hold.
+/// out of range, a number that is not finite, normals, texture coordinates or an attribute of another
+/// length, an attribute without a name of its own, more than the format can hold.
 pub fn write_surface(path: &Path, surface: &Surface<'_>) -> Result<(), WriteError> {
     let Some(format) = OutputFormat::of(path) else {
         return Err(WriteError::UnknownFormat {

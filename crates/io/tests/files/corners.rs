@@ -109,11 +109,11 @@ fn tobj_reads_normals_and_texture() {
     let mesh = &models[0].mesh;
     assert_eq!(mesh.texcoord_indices.len(), 6);
     assert_eq!(mesh.normal_indices.len(), 6);
-    for corner in 0..6 {
+    for (corner, expected) in TEXTURE.into_iter().enumerate() {
         let vertex = FACES.as_flattened()[corner] as usize;
         let texture = 2 * mesh.texcoord_indices[corner] as usize;
         let found = [mesh.texcoords[texture], mesh.texcoords[texture + 1]];
-        assert_eq!(found, TEXTURE[corner]);
+        assert_eq!(found, expected);
         let normal = 3 * mesh.normal_indices[corner] as usize;
         let found = [0, 1, 2].map(|axis| mesh.normals[normal + axis]);
         assert_eq!(Vector3::from(found), normals()[vertex]);
