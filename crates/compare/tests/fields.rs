@@ -76,6 +76,7 @@ fn write_files(folder: &Path) {
         positions,
         faces: mesh.faces(),
         attributes: &attributes,
+        ..Surface::default()
     };
     write("surface.ply", &surface);
     let points = Surface {
