@@ -28,7 +28,7 @@ fn a_fitted_surface_written_and_read_is_the_same_surface() -> Result<(), Failure
             let surface = Surface {
                 positions: &points,
                 faces: mesh.faces(),
-                attributes: &[],
+                ..Surface::default()
             };
             for ending in ["ply", "obj"] {
                 let path = folder.path().join(format!("{name}-{index}.{ending}"));
@@ -65,7 +65,7 @@ fn the_same_fit_writes_the_same_bytes() -> Result<(), Failure> {
             let surface = Surface {
                 positions: &points,
                 faces: mesh.faces(),
-                attributes: &[],
+                ..Surface::default()
             };
             write_surface(&path, &surface)?;
             Ok(fs::read(path)?)
@@ -83,7 +83,7 @@ fn facts_and_fit_survive_a_detour_through_a_file() -> Result<(), Failure> {
     let surface = Surface {
         positions: mesh.positions(),
         faces: mesh.faces(),
-        attributes: &[],
+        ..Surface::default()
     };
     write_surface(&path, &surface)?;
     let back = accept(&read_soup(&path)?, Policy::Refuse)?.mesh;

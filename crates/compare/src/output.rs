@@ -97,6 +97,7 @@ pub fn write_outputs(
                 positions: &positions,
                 faces: mesh.faces(),
                 attributes: &attributes,
+                ..Surface::default()
             };
             write_surface(path, &surface).map_err(|e| refused(e.to_string()))?;
         }
@@ -152,7 +153,7 @@ pub fn write_row_files(folder: &Path, output: &RunOutput) -> Result<(), RunError
     let points = Surface {
         positions: &output.knots,
         faces: &[],
-        attributes: &[],
+        ..Surface::default()
     };
     if !output.knots.is_empty() {
         write_surface(&folder.join(ROW_KNOTS), &points).map_err(|e| refused(e.to_string()))?;
@@ -176,6 +177,7 @@ fn write_companion(folder: &Path, companion: &Companion) -> Result<(), RunError>
             positions: mesh.positions(),
             faces: mesh.faces(),
             attributes: &companion.fields,
+            ..Surface::default()
         };
         write_surface(&path, &surface).map_err(|e| RunError::Write {
             path,
@@ -262,7 +264,7 @@ mod tests {
         let points = Surface {
             positions: &places,
             faces: &[],
-            attributes: &[],
+            ..Surface::default()
         };
         write_surface(&file, &points).expect("written");
         for subdivide in [0, 1] {

@@ -76,12 +76,13 @@ fn write_files(folder: &Path) {
         positions,
         faces: mesh.faces(),
         attributes: &attributes,
+        ..Surface::default()
     };
     write("surface.ply", &surface);
     let points = Surface {
         positions: &knots,
         faces: &[],
-        attributes: &[],
+        ..Surface::default()
     };
     write("knots.ply", &points);
 }
@@ -217,6 +218,7 @@ fn a_field_needs_no_surface_like_its_domain() {
         positions: mesh.positions(),
         faces: mesh.faces(),
         attributes: &[heights],
+        ..Surface::default()
     };
     write_surface(&files.path().join("surface.ply"), &surface).expect("written");
     let field = "show = \"field\"\nfield = \"height\"\nedges = \"domain\"\nknots = true";

@@ -11,7 +11,7 @@ use json::validation::{Checked, USize64};
 use json::{Index, Root, Value};
 use nalgebra::{Point3, Vector3};
 
-use crate::output::{Surface, WriteError};
+use crate::output::{Surface, Wedges, WriteError};
 
 const HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
@@ -24,27 +24,52 @@ pub(crate) struct Document {
 }
 
 impl Document {
-    /// Returns the document of a surface, in single precision, with smooth normals, and with vertex
-    /// colours where it has the attributes `red`, `green` and `blue`.
+    /// Returns the document of a surface, in single precision, with its normals or else smooth ones, and
+    /// with vertex colours where it has the attributes `red`, `green` and `blue`.
     ///
     /// Colours count from 0 to 1, or to 255 where one exceeds 1, and are taken as sRGB; glTF wants
-    /// them linear.
+    /// them linear. Where a vertex has corners of different texture coordinates it is split: its copies
+    /// come after all vertices. glTF counts the second coordinate downwards.
     ///
     /// # Errors
     /// A coordinate does not fit into single precision, or the file would pass 4 GiB.
     pub(crate) fn build(surface: &Surface<'_>) -> Result<Self, WriteError> {
         let positions = single_precision(surface.positions)?;
+        let normals = match surface.normals {
+            Some(normals) => normals.iter().map(|normal| unit(*normal)).collect(),
+            None => smooth_normals(&positions, surface.faces),
+        };
+        let texture = surface.corner_texture;
+        let wedges = texture.map(|t| Wedges::build(positions.len(), surface.faces, t));
+        let spread = |values: Vec<[f32; 3]>| match &wedges {
+            Some(wedges) => wedges.vertex.iter().map(|&v| values[v]).collect(),
+            None => values,
+        };
         let mut content = Content::default();
-        let corners = surface.faces.iter().flatten();
-        let corners: Vec<u8> = corners.flat_map(|vertex| vertex.to_le_bytes()).collect();
+        let corners: Vec<u8> = match &wedges {
+            Some(wedges) => {
+                let corners = wedges.faces.iter().flatten();
+                corners.flat_map(|&v| (v as u32).to_le_bytes()).collect()
+            }
+            None => {
+                let corners = surface.faces.iter().flatten();
+                corners.flat_map(|vertex| vertex.to_le_bytes()).collect()
+            }
+        };
         let corner_kind = (ComponentType::U32, Type::Scalar);
         let corners = content.add(&corners, Target::ElementArrayBuffer, corner_kind);
         let mut attributes = BTreeMap::new();
-        attributes.insert(Semantic::Positions, content.add_positions(&positions));
-        let normals = smooth_normals(&positions, surface.faces);
-        attributes.insert(Semantic::Normals, content.add_vectors(&normals));
+        let positions = content.add_positions(&spread(positions));
+        attributes.insert(Semantic::Positions, positions);
+        let normals = content.add_vectors(&spread(normals));
+        attributes.insert(Semantic::Normals, normals);
         if let Some(colours) = linear_colours(surface) {
-            attributes.insert(Semantic::Colors(0), content.add_vectors(&colours));
+            let colours = content.add_vectors(&spread(colours));
+            attributes.insert(Semantic::Colors(0), colours);
+        }
+        if let Some(wedges) = &wedges {
+            let texture = content.add_texture(&wedges.texture);
+            attributes.insert(Semantic::TexCoords(0), texture);
         }
         content.finish(attributes, corners)
     }
@@ -120,6 +145,15 @@ impl Content {
             Target::ArrayBuffer,
             (ComponentType::F32, Type::Vec3),
         )
+    }
+
+    fn add_texture(&mut self, texture: &[[f64; 2]]) -> Index<Accessor> {
+        let downwards = texture
+            .iter()
+            .flat_map(|&[u, v]| [u as f32, (1.0 - v) as f32]);
+        let bytes: Vec<u8> = downwards.flat_map(f32::to_le_bytes).collect();
+        let kind = (ComponentType::F32, Type::Vec2);
+        self.add(&bytes, Target::ArrayBuffer, kind)
     }
 
     fn add_positions(&mut self, positions: &[[f32; 3]]) -> Index<Accessor> {
@@ -230,11 +264,16 @@ fn smooth_normals(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Vec<[f32; 3]> {
             sums[vertex as usize] += normal;
         }
     }
-    // Where faces have no area or cancel out there is no normal, but the format wants one.
-    let unit = |sum: Vector3<f64>| sum.try_normalize(0.0).unwrap_or(Vector3::z());
-    sums.into_iter()
-        .map(|sum| unit(sum).map(|x| x as f32).into())
-        .collect()
+    sums.into_iter().map(unit).collect()
+}
+
+/// Returns a vector of length 1.
+fn unit(vector: Vector3<f64>) -> [f32; 3] {
+    // Divided first, so that no square overflows or vanishes. Where faces have no area or cancel out
+    // there is no normal, but the format wants one.
+    let scaled = vector / vector.amax();
+    let unit = scaled.try_normalize(0.0).unwrap_or(Vector3::z());
+    unit.map(|x| x as f32).into()
 }
 
 fn linear_colours(surface: &Surface<'_>) -> Option<Vec<[f32; 3]>> {

@@ -8,6 +8,7 @@
 //!
 //! [`write_surface`] writes PLY, OBJ, VTU and glb. Every file is written beside its target and
 //! renamed, so that a target is whole or absent, and the same surface gives the same bytes.
+//! [`write_cells`] writes Bézier cells of any shape and degree as they are.
 //!
 //! [`read_tets`] takes tetrahedra from Medit, Gmsh, VTK and TetGen files, and [`write_volume`] writes
 //! tetrahedra and hexahedra.
@@ -17,23 +18,27 @@
 //!
 //! [`read_npy`] and [`write_npy`] take arrays of numbers from and to NumPy, under the same rules.
 //!
-//! | format | read | write | coordinates written | attributes written |
+//! | format | read | write | coordinates written | data written |
 //! |---|---|---|---|---|
-//! | PLY | text, both binary orders, strips | binary, little-endian | double | all |
-//! | OBJ | polygons, vertex colours; lines as curves | text | double | none |
+//! | PLY | text, both binary orders, strips; normals | binary, little-endian | double | all attributes, normals; texture of corners in single |
+//! | OBJ | polygons, vertex colours, normals; lines as curves | text | double | normals, texture of corners |
 //! | OFF | text, also with normals and colours | | | |
 //! | STL | text, binary | | | |
-//! | VTU | tetrahedra: text, base64, appended, zlib | XML with base64 data | double | all |
+//! | VTU | tetrahedra: text, base64, appended, zlib | XML with base64 data; Bézier cells | double | all attributes, normals; weights |
 //! | VTK | tetrahedra: text, binary | | | |
 //! | Medit | tetrahedra: text | text | double | none |
-//! | Gmsh | tetrahedra: 2.2 and 4.1, text, binary | 4.1, text | double | all |
+//! | Gmsh | tetrahedra: 2.2 and 4.1, text, binary | 4.1, text | double | all attributes |
 //! | TetGen | tetrahedra: `.node` with `.ele` | | | |
-//! | glb | | glTF 2.0 | single | colours |
+//! | glb | | glTF 2.0 | single | colours, normals, texture of corners |
 //! | curves | text | | | |
 //! | SVG | paths, lines, polylines, polygons | | | |
 //! | creases | text | | | |
 //! | npy | floating-point and whole numbers, both byte orders | binary | double | |
+//!
+//! Normals that are read become the attributes `nx`, `ny`, `nz`, whatever the format;
+//! `msplines_common::mesh::vertex_normals` makes vectors of them.
 
+mod bezier;
 mod curves;
 mod digest;
 mod error;
@@ -50,6 +55,7 @@ mod text;
 mod volume;
 mod vtu;
 
+pub use bezier::write_cells;
 pub use curves::{Creases, parse_creases, parse_curves, read_creases, read_curves};
 pub use digest::sha256_file;
 pub use error::{Place, ReadError};

@@ -7,6 +7,7 @@ use std::io::{self, Write};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use msplines_common::bspline::{BezierCells, CellShape};
 use nalgebra::Point3;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
@@ -20,8 +21,19 @@ const VTK_TRIANGLE: u8 = 5;
 const VTK_TETRAHEDRON: u8 = 10;
 /// VTK's number for a cell that is a hexahedron.
 const VTK_HEXAHEDRON: u8 = 12;
+/// VTK's number for a cell that is a Bézier triangle.
+const VTK_BEZIER_TRIANGLE: u8 = 76;
+/// VTK's number for a cell that is a Bézier quadrangle.
+const VTK_BEZIER_QUADRILATERAL: u8 = 77;
 /// VTK's number for a cell that is a Bézier hexahedron.
 const VTK_BEZIER_HEXAHEDRON: u8 = 79;
+/// What VTK looks for by a role and not by its name, which here are the same, with its components.
+const ROLES: [(&str, usize); 3] = [
+    (NORMALS, 3),
+    ("RationalWeights", 1),
+    ("HigherOrderDegrees", 3),
+];
+const NORMALS: &str = "Normals";
 /// Version of the format that all readers take.
 const VERSION: &str = "1.0";
 /// The version since which upright edges of cells of higher degree run around like their corners.
@@ -29,33 +41,42 @@ const HIGHER_DEGREE_VERSION: &str = "2.2";
 
 /// Cells of one kind, whose vertices stand one cell after another.
 struct Cells<'a> {
-    vertices: &'a [u32],
+    count: usize,
     corners: usize,
     kind: u8,
+    /// Returns the vertex at a place among those of all cells.
+    vertex: &'a dyn Fn(usize) -> usize,
 }
 
 /// Data of vertices or cells: name, components, values.
 type Data<'a> = (&'a str, usize, &'a [f64]);
 
-/// Writes a surface as triangle cells, its attributes as point data.
+/// Writes a surface as triangle cells, its normals and attributes as point data.
 pub(crate) fn write(surface: &Surface<'_>, to: &mut dyn Write) -> io::Result<()> {
     let cells = Cells {
-        vertices: surface.faces.as_flattened(),
+        count: surface.faces.len(),
         corners: 3,
         kind: VTK_TRIANGLE,
+        vertex: &|place| surface.faces[place / 3][place % 3] as usize,
     };
+    let normals = surface.normals.map(|normals| {
+        let numbers = normals.iter().flat_map(|n| [n.x, n.y, n.z]);
+        numbers.collect::<Vec<f64>>()
+    });
+    let normals = normals.as_deref().map(|values| (NORMALS, 3, values));
     let attributes = surface.attributes.iter();
-    let data: Vec<Data<'_>> = attributes
-        .map(|attribute| (attribute.name.as_str(), 1, attribute.values.as_slice()))
-        .collect();
+    let attributes =
+        attributes.map(|attribute| (attribute.name.as_str(), 1, attribute.values.as_slice()));
+    let data: Vec<Data<'_>> = normals.into_iter().chain(attributes).collect();
     write_grid(surface.positions, &cells, &data, &[], to)
 }
 
 /// Writes a solid as cells, with its data.
 pub(crate) fn write_volume(volume: &Volume<'_>, to: &mut dyn Write) -> io::Result<()> {
     let cells = Cells {
-        vertices: volume.cells.vertices(),
+        count: volume.cells.count(),
         corners: volume.cells.corners(),
+        vertex: &|place| volume.cells.vertices()[place] as usize,
         kind: match volume.cells {
             VolumeCells::Tetrahedra(_) => VTK_TETRAHEDRON,
             VolumeCells::Hexahedra(_) => VTK_HEXAHEDRON,
@@ -65,6 +86,30 @@ pub(crate) fn write_volume(volume: &Volume<'_>, to: &mut dyn Write) -> io::Resul
     let point_data: Vec<Data<'_>> = volume.point_data.iter().map(as_data).collect();
     let cell_data: Vec<Data<'_>> = volume.cell_data.iter().map(as_data).collect();
     write_grid(volume.positions, &cells, &point_data, &cell_data, to)
+}
+
+/// Writes Bézier cells with their data; the points are the control points in the order of the cells.
+pub(crate) fn write_bezier(
+    cells: &BezierCells,
+    point_data: &[Field<'_>],
+    cell_data: &[Field<'_>],
+    to: &mut dyn Write,
+) -> io::Result<()> {
+    let order = cells.vtk_order();
+    let per_cell = order.len();
+    let grid = Cells {
+        count: cells.len(),
+        corners: per_cell,
+        kind: match cells.shape() {
+            CellShape::Triangles => VTK_BEZIER_TRIANGLE,
+            CellShape::Quads => VTK_BEZIER_QUADRILATERAL,
+            CellShape::Hexahedra => VTK_BEZIER_HEXAHEDRON,
+        },
+        vertex: &|place| place - place % per_cell + order[place % per_cell],
+    };
+    let point_data: Vec<Data<'_>> = point_data.iter().map(as_data).collect();
+    let cell_data: Vec<Data<'_>> = cell_data.iter().map(as_data).collect();
+    write_grid(cells.points(), &grid, &point_data, &cell_data, to)
 }
 
 fn as_data<'a>(field: &Field<'a>) -> Data<'a> {
@@ -78,9 +123,11 @@ fn write_grid(
     cell_data: &[Data<'_>],
     to: &mut dyn Write,
 ) -> io::Result<()> {
-    let (points, count) = (positions.len(), cells.vertices.len() / cells.corners);
+    let (points, count) = (positions.len(), cells.count);
     let version = match cells.kind {
-        VTK_BEZIER_HEXAHEDRON => HIGHER_DEGREE_VERSION,
+        VTK_BEZIER_TRIANGLE | VTK_BEZIER_QUADRILATERAL | VTK_BEZIER_HEXAHEDRON => {
+            HIGHER_DEGREE_VERSION
+        }
         _ => VERSION,
     };
     let mut xml = Writer::new_with_indent(to, b' ', 1);
@@ -110,7 +157,10 @@ fn write_grid(
 }
 
 fn write_data<W: Write>(name: &str, data: &[Data<'_>], xml: &mut Writer<W>) -> io::Result<()> {
-    xml.create_element(name).write_inner_content(|xml| {
+    let has = |role: &(&str, usize)| data.iter().any(|&(name, n, _)| (name, n) == *role);
+    let roles = ROLES.into_iter().filter(has).map(|(role, _)| (role, role));
+    let element = xml.create_element(name).with_attributes(roles);
+    element.write_inner_content(|xml| {
         for &(name, components, values) in data {
             let numbers = values.iter().map(|value| value.to_le_bytes());
             write_array(xml, name, "Float64", components, numbers)?;
@@ -130,7 +180,8 @@ fn write_points<W: Write>(positions: &[Point3<f64>], xml: &mut Writer<W>) -> io:
 
 fn write_cells<W: Write>(cells: &Cells<'_>, xml: &mut Writer<W>) -> io::Result<()> {
     xml.create_element("Cells").write_inner_content(|xml| {
-        let vertices = cells.vertices.iter().map(|&vertex| i64::from(vertex));
+        let places = 0..cells.count * cells.corners;
+        let vertices = places.map(|place| (cells.vertex)(place) as i64);
         write_array(
             xml,
             "connectivity",
@@ -138,10 +189,15 @@ fn write_cells<W: Write>(cells: &Cells<'_>, xml: &mut Writer<W>) -> io::Result<(
             1,
             vertices.map(i64::to_le_bytes),
         )?;
-        let count = cells.vertices.len() / cells.corners;
-        let ends = (1..=count).map(|cell| (cells.corners * cell) as i64);
+        let ends = (1..=cells.count).map(|cell| (cells.corners * cell) as i64);
         write_array(xml, "offsets", "Int64", 1, ends.map(i64::to_le_bytes))?;
-        write_array(xml, "types", "UInt8", 1, (0..count).map(|_| [cells.kind]))
+        write_array(
+            xml,
+            "types",
+            "UInt8",
+            1,
+            (0..cells.count).map(|_| [cells.kind]),
+        )
     })?;
     Ok(())
 }

@@ -18,6 +18,8 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import reference, vtkIdList, vtkPoints
 from vtkmodules.vtkCommonDataModel import (
     VTK_BEZIER_HEXAHEDRON,
+    VTK_BEZIER_QUADRILATERAL,
+    VTK_BEZIER_TRIANGLE,
     VTK_HEXAHEDRON,
     VTK_TETRA,
     vtkUnstructuredGrid,
@@ -28,6 +30,8 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader, vtkXMLUnstructured
 
 VTK_NAMES = {
     VTK_BEZIER_HEXAHEDRON: "bezier hexahedron",
+    VTK_BEZIER_QUADRILATERAL: "bezier quadrilateral",
+    VTK_BEZIER_TRIANGLE: "bezier triangle",
     VTK_HEXAHEDRON: "hexahedron",
     VTK_TETRA: "tetra",
 }
@@ -83,11 +87,11 @@ def meshio_reads(path):
 
 
 def bezier_points(path, places):
-    """Points of Bézier hexahedra of a `.vtu` file; a place is a cell and three parameters in it."""
+    """Points of Bézier cells of a `.vtu` file; a place is a cell and three parameters in it."""
     grid, points = vtk_grid(path), []
     for index, *parameters in places:
         cell = grid.GetCell(index)
-        if cell.GetCellType() != VTK_BEZIER_HEXAHEDRON:
+        if not VTK_NAMES.get(cell.GetCellType(), "").startswith("bezier"):
             raise ValueError(f"cell {index} is a {cell.GetClassName()}")
         point, weights = [0.0] * 3, [0.0] * cell.GetNumberOfPoints()
         cell.EvaluateLocation(reference(0), parameters, point, weights)

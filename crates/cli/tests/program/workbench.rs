@@ -40,7 +40,7 @@ impl Workbench {
         let surface = Surface {
             positions: mesh.positions(),
             faces: mesh.faces(),
-            attributes: &[],
+            ..Surface::default()
         };
         write_surface(&self.path(name), &surface).expect("written");
     }

@@ -99,7 +99,8 @@ impl BezierCells {
         &self.points
     }
 
-    /// Rational weights, one for each point; absent where all are 1.
+    /// Rational weights, one for each point; absent where all are 1. Points are not multiplied by
+    /// them: a cell is the sum of `w B p` over that of `w B`.
     #[must_use]
     pub fn weights(&self) -> Option<&[f64]> {
         self.weights.as_deref()
@@ -113,6 +114,17 @@ impl BezierCells {
             CellShape::Triangles => a * (a + 1) / 2,
             CellShape::Quads => a * b,
             CellShape::Hexahedra => a * b * c,
+        }
+    }
+
+    /// Returns, for each point of a cell in VTK's order, its place in the order of the cells here.
+    /// VTK has no cells of degree 0.
+    #[must_use]
+    pub fn vtk_order(&self) -> Vec<usize> {
+        match (self.shape, self.degree) {
+            (CellShape::Triangles, [degree, ..]) => vtk_triangle_order(degree),
+            (CellShape::Quads, [a, b, _]) => vtk_quad_order([a, b]),
+            (CellShape::Hexahedra, degree) => vtk_hexahedron_order(degree),
         }
     }
 
@@ -133,6 +145,54 @@ impl BezierCells {
 #[must_use]
 pub fn hexahedron_points(degree: [usize; 3]) -> usize {
     degree.iter().map(|d| d + 1).product()
+}
+
+/// Returns, for each point of a `VTK_BEZIER_TRIANGLE` in VTK's order, its place in the order of
+/// [`BezierCells`], in which point `(i, j)` of degree `d` stands at `i + j (2 d + 3 - j) / 2`.
+///
+/// VTK lists the corners `(0, 0)`, `(d, 0)`, `(0, d)`; the inner points of the edges from the first to
+/// the second, from the second to the third and from the third to the first, each along its way; and
+/// then the points inside in the same manner, as those of a triangle of degree `d - 3`. Its first
+/// parameter grows with `i`, its second with `j`.
+#[must_use]
+pub fn vtk_triangle_order(degree: usize) -> Vec<usize> {
+    let place = |[i, j]: [usize; 2]| i + j * (2 * degree + 3 - j) / 2;
+    let mut order = Vec::with_capacity((degree + 1) * (degree + 2) / 2);
+    let (mut ring, mut rest) = (0, degree);
+    // Ring by ring; the one at `ring` is the boundary of a triangle of degree `rest`.
+    loop {
+        let at = |i: usize, j: usize| place([ring + i, ring + j]);
+        if rest == 0 {
+            order.push(at(0, 0));
+            return order;
+        }
+        order.extend([at(0, 0), at(rest, 0), at(0, rest)]);
+        order.extend((1..rest).map(|i| at(i, 0)));
+        order.extend((1..rest).map(|j| at(rest - j, j)));
+        order.extend((1..rest).map(|i| at(0, rest - i)));
+        match rest.checked_sub(3) {
+            Some(inner) => (ring, rest) = (ring + 1, inner),
+            None => return order,
+        }
+    }
+}
+
+/// Returns, for each point of a `VTK_BEZIER_QUADRILATERAL` in VTK's order, its place
+/// `i + (d0 + 1) j` in the order of [`BezierCells`]. Degrees are at least 1.
+///
+/// VTK lists the four corners around; the inner points of the four edges around, each along its axis;
+/// and the points inside, the first index fastest.
+#[must_use]
+pub fn vtk_quad_order(degree: [usize; 2]) -> Vec<usize> {
+    let [a, b] = degree;
+    let place = |i: usize, j: usize| i + (a + 1) * j;
+    let mut order = vec![place(0, 0), place(a, 0), place(a, b), place(0, b)];
+    order.extend((1..a).map(|i| place(i, 0)));
+    order.extend((1..b).map(|j| place(a, j)));
+    order.extend((1..a).map(|i| place(i, b)));
+    order.extend((1..b).map(|j| place(0, j)));
+    order.extend((1..b).flat_map(|j| (1..a).map(move |i| place(i, j))));
+    order
 }
 
 /// Returns, for each point of a `VTK_BEZIER_HEXAHEDRON` in VTK's order, its place
@@ -227,6 +287,55 @@ mod tests {
                 let at = [place % a, place / a % b, place / (a * b)];
                 assert_eq!(vtk_index(at, degree), index, "{at:?} of {degree:?}");
             }
+        }
+    }
+
+    /// Index of a point of a triangle in VTK's order, written from its published formula: whole rings
+    /// of `3 order` points lie before the ring of a point, and each ring has its corners first.
+    fn vtk_triangle_index(at: [usize; 3], degree: usize) -> usize {
+        let least = at.into_iter().min().unwrap_or(0);
+        let order = degree - 3 * least;
+        let before: usize = (0..least).map(|ring| 3 * (degree - 3 * ring)).sum();
+        let [r, s, t] = at.map(|x| x - least);
+        if let Some(corner) = [t, r, s].iter().position(|&x| x == order) {
+            return before + corner;
+        }
+        // On an edge one coordinate grows, the next is least, and the one after falls.
+        let (edge, along) = match [r, s, t] {
+            [r, 0, _] => (0, r),
+            [_, s, 0] => (1, s),
+            [_, _, t] => (2, t),
+        };
+        before + 3 + edge * (order - 1) + along - 1
+    }
+
+    #[test]
+    fn the_order_of_triangles_of_vtk_is_its_published_formula() {
+        for degree in 1..=9 {
+            let order = vtk_triangle_order(degree);
+            let all: Vec<[usize; 2]> = (0..=degree)
+                .flat_map(|j| (0..=degree - j).map(move |i| [i, j]))
+                .collect();
+            assert_eq!(order.len(), all.len(), "{degree}");
+            for (index, place) in order.into_iter().enumerate() {
+                let [i, j] = all[place];
+                let at = [i, j, degree - i - j];
+                assert_eq!(vtk_triangle_index(at, degree), index, "{at:?}");
+            }
+        }
+        // Corners, then the middles of the edges 01, 12 and 20.
+        assert_eq!(vtk_triangle_order(2), [0, 2, 5, 1, 4, 3]);
+        assert_eq!(vtk_triangle_order(0), [0]);
+    }
+
+    #[test]
+    fn the_order_of_quads_of_vtk_is_that_of_the_bottom_of_hexahedra() {
+        for degree in [[1, 1], [2, 3], [3, 3], [4, 2]] {
+            let [a, b] = degree;
+            // A hexahedron of degree 1 upright has nothing else at its bottom than the quad.
+            let bottom = vtk_hexahedron_order([a, b, 1]);
+            let bottom = bottom.into_iter().filter(|&p| p < (a + 1) * (b + 1));
+            assert_eq!(vtk_quad_order(degree), bottom.collect::<Vec<_>>());
         }
     }
 

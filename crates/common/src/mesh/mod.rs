@@ -46,7 +46,7 @@ pub use facts::{Facts, Range};
 pub use flips::{FlipComplex, carry_flip, sides_around};
 pub use preflight::{Preflight, preflight};
 pub use repairs::{Affected, Repair};
-pub use soup::{PolygonSoup, VertexAttribute};
+pub use soup::{PolygonSoup, VertexAttribute, vertex_normals};
 pub use split::{SplitError, SplitMesh, split_at};
 pub use subdivision::{
     SubdivisionMap, edge_pieces, subdivide_butterfly, subdivide_loop, subdivide_midpoint,

@@ -31,7 +31,7 @@ fn knots_are_the_nearest_vertices_each_once() {
     let points = Surface {
         positions: &[near(7), near(3), near(7)],
         faces: &[],
-        attributes: &[],
+        ..Surface::default()
     };
     write_surface(&path, &points).expect("written");
     assert_eq!(nearest_vertices(&mesh, &path).expect("vertices"), [3, 7]);

@@ -1,21 +1,25 @@
 //! From a surface to a file.
 
 mod atomic;
+mod check;
+mod wedges;
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use msplines_common::mesh::VertexAttribute;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 pub use atomic::write_atomically;
+pub(crate) use check::check_positions;
+pub(crate) use wedges::Wedges;
 
 use crate::format::extension;
 use crate::glb::Document;
 use crate::{obj, ply, vtu};
 
 /// A triangle surface to write. Attributes have one value per position.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Surface<'a> {
     /// Vertex positions.
     pub positions: &'a [Point3<f64>],
@@ -23,6 +27,13 @@ pub struct Surface<'a> {
     pub faces: &'a [[u32; 3]],
     /// Per-vertex data beyond the positions.
     pub attributes: &'a [VertexAttribute],
+    /// A normal per position, of any length, such as the exact one of a spline. glb has them of length
+    /// 1 in single precision, and without them the means over the faces around.
+    pub normals: Option<&'a [Vector3<f64>]>,
+    /// Texture coordinates of each corner of each face, one face after another: the first grows to
+    /// the right of an image, the second upwards. PLY and glb have them in single precision; glb
+    /// counts the second downwards and splits vertices where their corners differ. VTU has none.
+    pub corner_texture: Option<&'a [[f64; 2]]>,
 }
 
 /// A format that can be written.
@@ -84,6 +95,17 @@ pub enum WriteError {
         points: usize,
         /// Those of a cell.
         per_cell: usize,
+    },
+    /// Bézier cells of degree 0.
+    #[error("a Bézier cell of degree 0 is one point and no cell of VTK; raise its degree to 1")]
+    BezierDegree,
+    /// A weight of a control point that is not a positive number.
+    #[error("the weight of control point {point} is {weight}; weights are positive and finite")]
+    BezierWeight {
+        /// The control point.
+        point: usize,
+        /// Its weight.
+        weight: f64,
     },
     /// A cell names a vertex that does not exist.
     #[error("cell {cell} names vertex {vertex}, but there are {vertices} vertices")]
@@ -152,11 +174,29 @@ pub enum WriteError {
     /// An attribute has a name the formats cannot hold.
     #[error(
         "attribute `{name}` cannot be written; give each attribute one name of its own, \
-         without white space and other than x, y and z"
+         without white space and other than x, y and z, and beside normals than nx, ny, nz and Normals"
     )]
     AttributeName {
         /// The name.
         name: String,
+    },
+    /// Texture coordinates are not one pair per corner.
+    #[error("{values} pairs of texture coordinates for {corners} corners; give one for each")]
+    TextureLength {
+        /// How many pairs there are.
+        values: usize,
+        /// How many corners the faces have.
+        corners: usize,
+    },
+    /// A texture coordinate is not finite in single precision.
+    #[error(
+        "the texture coordinates of corner {corner} of face {face} are not finite; leave it out"
+    )]
+    TextureNotFinite {
+        /// The face.
+        face: usize,
+        /// Its corner, 0 to 2.
+        corner: usize,
     },
     /// An array has no or too many dimensions, or not the values that its shape says.
     #[error(
@@ -187,15 +227,15 @@ pub enum WriteError {
 ///
 /// # Errors
 /// The extension is unknown, the file cannot be written, or the surface is not fit to be: an index
-/// out of range, a number that is not finite, an attribute of another length or
-/// without a name of its own, more than the format can hold.
+/// out of range, a number that is not finite, normals, texture coordinates or an attribute of another
+/// length, an attribute without a name of its own, more than the format can hold.
 pub fn write_surface(path: &Path, surface: &Surface<'_>) -> Result<(), WriteError> {
     let Some(format) = OutputFormat::of(path) else {
         return Err(WriteError::UnknownFormat {
             path: path.to_owned(),
         });
     };
-    check(surface)?;
+    check::check(surface)?;
     match format {
         OutputFormat::Ply => write_atomically(path, |to| ply::write(surface, to)),
         OutputFormat::Obj => write_atomically(path, |to| obj::write(surface, to)),
@@ -205,49 +245,4 @@ pub fn write_surface(path: &Path, surface: &Surface<'_>) -> Result<(), WriteErro
             write_atomically(path, |to| document.write(to))
         }
     }
-}
-
-fn check(surface: &Surface<'_>) -> Result<(), WriteError> {
-    let vertices = surface.positions.len();
-    for (face, corners) in surface.faces.iter().enumerate() {
-        if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= vertices) {
-            return Err(WriteError::IndexOutOfRange {
-                face,
-                vertex,
-                vertices,
-            });
-        }
-    }
-    let infinite = |p: &Point3<f64>| p.iter().any(|x| !x.is_finite());
-    if let Some(vertex) = surface.positions.iter().position(infinite) {
-        return Err(WriteError::NotFinite {
-            name: "position".to_owned(),
-            vertex,
-        });
-    }
-    for (i, attribute) in surface.attributes.iter().enumerate() {
-        let name = &attribute.name;
-        let taken = surface.attributes[..i]
-            .iter()
-            .any(|other| other.name == *name);
-        let reserved = matches!(name.as_str(), "" | "x" | "y" | "z");
-        if taken || reserved || name.chars().any(|c| c.is_whitespace() || c.is_control()) {
-            return Err(WriteError::AttributeName { name: name.clone() });
-        }
-        let values = attribute.values.len();
-        if values != vertices {
-            return Err(WriteError::AttributeLength {
-                name: name.clone(),
-                values,
-                vertices,
-            });
-        }
-        if let Some(vertex) = attribute.values.iter().position(|value| !value.is_finite()) {
-            return Err(WriteError::NotFinite {
-                name: name.clone(),
-                vertex,
-            });
-        }
-    }
-    Ok(())
 }

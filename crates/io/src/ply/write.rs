@@ -4,10 +4,11 @@ use std::io::{self, Write};
 
 use crate::output::Surface;
 
-/// Writes a surface: positions as doubles, attributes as further properties.
+/// Writes a surface: positions and normals as doubles, attributes as further properties.
 ///
 /// The colours `red`, `green`, `blue`, `alpha` become bytes where that loses nothing, since that is
-/// what viewers look for.
+/// what viewers look for. Texture coordinates are a list `texcoord` of each face as in MeshLab, which
+/// takes it in single precision only.
 pub(crate) fn write(surface: &Surface<'_>, to: &mut dyn Write) -> io::Result<()> {
     let bytes: Vec<bool> = surface
         .attributes
@@ -19,14 +20,26 @@ pub(crate) fn write(surface: &Surface<'_>, to: &mut dyn Write) -> io::Result<()>
     for axis in ["x", "y", "z"] {
         writeln!(to, "property double {axis}")?;
     }
+    if surface.normals.is_some() {
+        writeln!(
+            to,
+            "property double nx\nproperty double ny\nproperty double nz"
+        )?;
+    }
     for (attribute, &byte) in surface.attributes.iter().zip(&bytes) {
         let kind = if byte { "uchar" } else { "double" };
         writeln!(to, "property {kind} {}", attribute.name)?;
     }
     writeln!(to, "element face {}", surface.faces.len())?;
-    writeln!(to, "property list uchar uint vertex_indices\nend_header")?;
+    writeln!(to, "property list uchar uint vertex_indices")?;
+    if surface.corner_texture.is_some() {
+        writeln!(to, "property list uchar float texcoord")?;
+    }
+    writeln!(to, "end_header")?;
     for (vertex, position) in surface.positions.iter().enumerate() {
-        for coordinate in position.iter() {
+        let normal = surface.normals.map(|normals| &normals[vertex]);
+        let normal = normal.into_iter().flat_map(|normal| normal.iter());
+        for coordinate in position.iter().chain(normal) {
             to.write_all(&coordinate.to_le_bytes())?;
         }
         for (attribute, &byte) in surface.attributes.iter().zip(&bytes) {
@@ -38,10 +51,16 @@ pub(crate) fn write(surface: &Surface<'_>, to: &mut dyn Write) -> io::Result<()>
             }
         }
     }
-    for face in surface.faces {
+    for (index, face) in surface.faces.iter().enumerate() {
         to.write_all(&[3])?;
         for vertex in face {
             to.write_all(&vertex.to_le_bytes())?;
+        }
+        if let Some(texture) = surface.corner_texture {
+            to.write_all(&[6])?;
+            for &coordinate in texture[3 * index..3 * index + 3].as_flattened() {
+                to.write_all(&(coordinate as f32).to_le_bytes())?;
+            }
         }
     }
     Ok(())

@@ -24,6 +24,7 @@ use crate::{Format, ReadError};
 
 pub(crate) use vtk::has_magic as is_vtk;
 pub(crate) use vtu::has_magic as is_vtu;
+pub(crate) use write::check_fields;
 pub use write::{Field, Volume, VolumeCells, write_volume};
 
 /// Returns the vertices and tetrahedra of a file, in file order.

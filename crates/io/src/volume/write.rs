@@ -7,7 +7,7 @@ use nalgebra::Point3;
 
 use crate::WriteError;
 use crate::format::extension;
-use crate::output::write_atomically;
+use crate::output::{check_positions, write_atomically};
 use crate::vtu;
 
 /// A mesh of a solid to write.
@@ -125,22 +125,16 @@ fn check(volume: &Volume<'_>) -> Result<(), WriteError> {
             vertices,
         });
     }
-    let infinite = |p: &Point3<f64>| p.iter().any(|x| !x.is_finite());
-    if let Some(vertex) = volume.positions.iter().position(infinite) {
-        return Err(WriteError::NotFinite {
-            name: "position".to_owned(),
-            vertex,
-        });
-    }
-    for (fields, count) in [
-        (volume.point_data, vertices),
-        (volume.cell_data, volume.cells.count()),
-    ] {
-        for (i, field) in fields.iter().enumerate() {
-            check_field(field, &fields[..i], count)?;
-        }
-    }
-    Ok(())
+    check_positions(volume.positions)?;
+    check_fields(volume.point_data, vertices)?;
+    check_fields(volume.cell_data, volume.cells.count())
+}
+
+/// Refuses fields that have not their number of finite values for each of `count` vertices or cells,
+/// or no names of their own.
+pub(crate) fn check_fields(fields: &[Field<'_>], count: usize) -> Result<(), WriteError> {
+    let mut numbered = fields.iter().enumerate();
+    numbered.try_for_each(|(i, field)| check_field(field, &fields[..i], count))
 }
 
 fn check_field(field: &Field<'_>, before: &[Field<'_>], count: usize) -> Result<(), WriteError> {

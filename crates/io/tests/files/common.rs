@@ -83,6 +83,7 @@ impl Owned {
             positions: &self.positions,
             faces: &self.faces,
             attributes: &self.attributes,
+            ..Surface::default()
         }
     }
 

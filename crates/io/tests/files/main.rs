@@ -1,6 +1,8 @@
 //! Reading and writing whole files.
 
+mod bezier;
 mod common;
+mod corners;
 mod curves;
 mod errors;
 mod libraries;

@@ -71,7 +71,7 @@ impl ShownFrame {
             let points = Surface {
                 positions: &positions,
                 faces: &[],
-                attributes: &[],
+                ..Surface::default()
             };
             let path = folder.join(name);
             write_surface(&path, &points).map_err(|e| RunError::Write {

@@ -1,5 +1,7 @@
 //! Laws of whole pictures: what must be seen, where, and in which colour.
 
+mod checkers;
+
 use msplines_picture::{
     Camera, ColourMap, ColourScale, Curves, Detail, Drawing, Image, Occlusion, Paint, PictureError,
     Radius, Rect, Rgb, Scene, Shading, Spheres, Surface, View,

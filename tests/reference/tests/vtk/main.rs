@@ -1,4 +1,6 @@
-//! Files of solids against VTK and meshio.
+//! Files of solids and of Bézier cells against VTK and meshio.
+
+mod bezier;
 
 use std::collections::BTreeMap;
 use std::path::Path;
