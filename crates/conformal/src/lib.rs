@@ -1,1 +1,7 @@
 //! Conformal structure of triangle meshes: holomorphic 1-forms, affine atlases, spherical maps.
+
+mod extension;
+mod untangle;
+
+pub mod measure;
+pub mod sphere;
