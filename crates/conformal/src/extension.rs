@@ -19,7 +19,7 @@ const REFINEMENTS: usize = 2;
 /// Returns the cotangent weight of the edge of each half-edge.
 ///
 /// # Reference
-/// [Pinkall1993] §3.
+/// [Pinkall1993].
 pub(crate) fn cotangent_weights(triangulation: &IntrinsicTriangulation) -> Vec<f64> {
     let halves: Vec<f64> = (triangulation.lengths.iter())
         .flat_map(|&sides| {
@@ -64,7 +64,11 @@ pub(crate) fn laplacian(
         let twin = triangulation.twins[h as usize];
         let [a, b] = ends(triangulation, h);
         if h < twin && a != b {
-            entries.extend([(a, a, weight), (b, b, weight), (a.max(b), a.min(b), -weight)]);
+            entries.extend([
+                (a, a, weight),
+                (b, b, weight),
+                (a.max(b), a.min(b), -weight),
+            ]);
         }
     }
     SymmetricMatrix::from_lower_triplets(vertex_count, &entries)
@@ -109,7 +113,11 @@ impl<'a> Extension<'a> {
     }
 
     /// Replaces the values at free vertices by those at which the Laplacian is `right(row, column)`.
-    pub(crate) fn solve(&self, values: &mut Mat<f64>, right: &(impl Fn(usize, usize) -> f64 + Sync)) {
+    pub(crate) fn solve(
+        &self,
+        values: &mut Mat<f64>,
+        right: &(impl Fn(usize, usize) -> f64 + Sync),
+    ) {
         let Some(factor) = &self.factor else { return };
         for side in 0..values.ncols() {
             let column = column_mut(values.as_mut(), side);

@@ -3,5 +3,7 @@
 mod extension;
 mod untangle;
 
+pub mod bounded;
+pub mod disk;
 pub mod measure;
 pub mod sphere;

@@ -140,11 +140,7 @@ pub fn measure_flat(lengths: &[[f64; 3]], edges: &[[f64; 2]]) -> Distortion {
 /// # Panics
 /// If a face names a vertex without image, or there are not three lengths per face.
 #[must_use]
-pub fn measure_planar(
-    faces: &[[u32; 3]],
-    lengths: &[[f64; 3]],
-    points: &[[f64; 2]],
-) -> Distortion {
+pub fn measure_planar(faces: &[[u32; 3]], lengths: &[[f64; 3]], points: &[[f64; 2]]) -> Distortion {
     let mut distortion = measure_flat(lengths, &planar_edges(faces, points));
     distortion.flips = planar_flips(faces, points).len();
     distortion
@@ -169,7 +165,9 @@ pub fn measure_spherical(
         .map(|(corners, &sides)| stretch(sides, chords(corners.map(|v| points[v as usize]))))
         .collect();
     stretches.iter_mut().for_each(|s| s.flipped = false);
-    flips.iter().for_each(|&f| stretches[f as usize].flipped = true);
+    flips
+        .iter()
+        .for_each(|&f| stretches[f as usize].flipped = true);
     Distortion::of(&stretches, &areas(lengths))
 }
 
@@ -191,7 +189,9 @@ pub fn planar_edges(faces: &[[u32; 3]], points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 #[must_use]
 pub fn planar_flips(faces: &[[u32; 3]], points: &[[f64; 2]]) -> Vec<u32> {
     let turns_left = |corners: &[u32; 3]| {
-        let [a, b, c] = corners.map(|v| points[v as usize]).map(|[x, y]| Coord { x, y });
+        let [a, b, c] = corners
+            .map(|v| points[v as usize])
+            .map(|[x, y]| Coord { x, y });
         orient2d(a, b, c) > 0.0
     };
     failing(faces, turns_left)

@@ -26,7 +26,9 @@ pub(crate) fn untangle_sphere(
             break;
         }
         for vertex in corners(triangulation, &flips) {
-            let Some(link) = star.link(vertex) else { continue };
+            let Some(link) = star.link(vertex) else {
+                continue;
+            };
             let ring: Vec<Vector3<f64>> = link.iter().map(|&v| points[v as usize]).collect();
             let normal = ring.iter().sum::<Vector3<f64>>().normalize();
             // Straight lines of the gnomonic plane are great circles.
@@ -64,7 +66,9 @@ pub(crate) fn untangle_plane(
             break;
         }
         for vertex in corners(triangulation, &flips) {
-            let Some(link) = star.link(vertex) else { continue };
+            let Some(link) = star.link(vertex) else {
+                continue;
+            };
             let ring: Vec<[f64; 2]> = link.iter().map(|&v| points[v as usize]).collect();
             if let Some(centre) = kernel_centre(&ring) {
                 points[vertex as usize] = centre;
@@ -158,8 +162,7 @@ fn kernel_centre(ring: &[[f64; 2]]) -> Option<[f64; 2]> {
 
 /// Returns the part of a convex polygon to the left of a line.
 fn clip(polygon: &[[f64; 2]], point: [f64; 2], along: [f64; 2]) -> Vec<[f64; 2]> {
-    let height =
-        |p: [f64; 2]| along[0] * (p[1] - point[1]) - along[1] * (p[0] - point[0]);
+    let height = |p: [f64; 2]| along[0] * (p[1] - point[1]) - along[1] * (p[0] - point[0]);
     let mut part = Vec::with_capacity(polygon.len() + 1);
     for (i, &p) in polygon.iter().enumerate() {
         let q = polygon[(i + 1) % polygon.len()];

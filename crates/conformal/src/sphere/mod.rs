@@ -64,7 +64,7 @@ impl SphericalMap {
 /// factorisations of the Laplacian. Equal input gives equal bits on any number of threads.
 ///
 /// # Reference
-/// [Tutte1963]; [Haker2000] §3. Deviation: the weights are those of the intrinsic Delaunay
+/// [Tutte1963]; [Haker2000]. Deviation: the weights are those of the intrinsic Delaunay
 /// triangulation, and the map is corrected by alternating between two charts.
 ///
 /// # Errors

@@ -14,7 +14,7 @@ const LONGEST: f64 = 0.5;
 /// Moves unit vectors by the Möbius map that makes their weighted mean zero.
 ///
 /// # Reference
-/// [Baden2018] Alg. 1. Deviation: steps are cut to a length at which the mean shrinks.
+/// [Baden2018]. Deviation: steps are cut to a length at which the mean shrinks.
 pub(super) fn centre(points: &mut Vec<Vector3<f64>>, weights: &[f64]) {
     let total: f64 = weights.iter().sum();
     let mut mean = weighted_mean(points, weights, total);

@@ -60,7 +60,7 @@ impl Chart<'_> {
     /// Returns the harmonic map whose best-shaped triangle is held, with everything else inside.
     ///
     /// # Reference
-    /// [Tutte1963] §6; [Floater1997] §2.
+    /// [Tutte1963]; [Floater1997].
     fn outside_a_triangle(&self) -> Result<Mat<f64>, FactorError> {
         let faces = &self.triangulation.faces;
         let mut best = (f64::NEG_INFINITY, 0);
