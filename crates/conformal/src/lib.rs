@@ -1,6 +1,7 @@
 //! Conformal structure of triangle meshes: holomorphic 1-forms, affine atlases, spherical maps.
 
 mod extension;
+mod polish;
 mod untangle;
 
 pub mod bounded;

@@ -1,7 +1,8 @@
 //! The conformal map of a closed surface of genus 0 onto the unit sphere.
 //!
 //! A plane harmonic map with one triangle at infinity is one-to-one but stretched far from its
-//! middle; the two hemispheres then correct each other in the coordinates `z` and `1 / z`.
+//! middle; the two hemispheres then correct each other in the coordinates `z` and `1 / z`. Limbs are
+//! compressed exponentially: their tips are all there, but may be 10⁻¹⁰ of the sphere wide.
 
 mod error;
 mod moebius;
@@ -20,6 +21,7 @@ use nalgebra::Vector3;
 
 use crate::extension::{bound_below, cotangent_weights, laplacian};
 use crate::measure::{Distortion, area, measure_spherical, spherical_flips};
+use crate::polish::polish_sphere;
 use crate::untangle::untangle_sphere;
 
 /// Edge weights are at least this, relative to the median: positive weights make the plane map
@@ -33,6 +35,9 @@ pub struct SphericalMap {
     pub points: Vec<Vector3<f64>>,
     /// The triangulation whose images are all oriented like the sphere, normals outwards.
     pub triangulation: IntrinsicTriangulation,
+    /// Whether the two charts have corrected each other. On meshes of a few triangles that turns
+    /// triangles over, and the map is the harmonic one with a triangle at infinity.
+    pub corrected: bool,
     /// Vertices that were moved by themselves to turn triangles back.
     pub moved: usize,
     /// Triangles of the mesh itself that are turned over: slivers that the triangulation avoids.
@@ -57,7 +62,8 @@ impl SphericalMap {
 ///
 /// With [`FlipRule::Simplicial`] the triangulation has the faces of an ordinary mesh, and every
 /// triangle of the result is oriented like the sphere. [`FlipRule::Any`] gives an error where the
-/// triangulation has a face with two equal corners, whose image is an arc.
+/// triangulation has a face with two equal corners, whose image is an arc; that happens on necks
+/// and thin limbs. Elsewhere the two are the same.
 ///
 /// Angles converge like the mesh size. The Möbius freedom is used to centre the image; what remains
 /// is a rotation, which depends on the triangle that was at infinity. Cost: one ordering and three
@@ -65,7 +71,8 @@ impl SphericalMap {
 ///
 /// # Reference
 /// [Tutte1963]; [Haker2000]. Deviation: the weights are those of the intrinsic Delaunay
-/// triangulation, and the map is corrected by alternating between two charts.
+/// triangulation, the map is corrected by alternating between two charts, and at last every vertex
+/// moves to where the triangles around it are least stretched.
 ///
 /// # Errors
 /// A mesh that is not one closed surface of genus 0, and one on which triangles stay turned over.
@@ -83,18 +90,39 @@ pub fn spherical_map(mesh: &TriangleMesh, rule: FlipRule) -> Result<SphericalMap
         triangulation: &triangulation,
         areas: &areas,
     };
-    let mut points = chart.map()?;
-    moebius::centre(&mut points, &areas);
-    let moved = untangle_sphere(&triangulation, &mut points);
-    check_one_to_one(&triangulation.faces, &points)?;
+    let z = chart.outside_a_triangle()?;
+    let mut corrected = true;
+    let mut points = chart.corrected(&z)?;
+    let mut moved = settle(&mut points, &areas, &triangulation);
+    if check_one_to_one(&triangulation.faces, &points).is_err() {
+        corrected = false;
+        points = chart.uncorrected(&z);
+        moved = settle(&mut points, &areas, &triangulation);
+        check_one_to_one(&triangulation.faces, &points)?;
+    }
     let distortion = measure_spherical(&triangulation.faces, &triangulation.lengths, &points);
     Ok(SphericalMap {
         flips_of_mesh: spherical_flips(mesh.faces(), &points).len(),
         points,
         triangulation,
+        corrected,
         moved,
         distortion,
     })
+}
+
+/// Centres a map, turns single triangles back and lowers the angle distortion; returns how many
+/// vertices had to be moved to turn triangles back.
+fn settle(
+    points: &mut Vec<Vector3<f64>>,
+    areas: &[f64],
+    triangulation: &IntrinsicTriangulation,
+) -> usize {
+    moebius::centre(points, areas);
+    let moved = untangle_sphere(triangulation, points);
+    polish_sphere(triangulation, points);
+    moebius::centre(points, areas);
+    moved + untangle_sphere(triangulation, points)
 }
 
 /// Returns a third of the area of the triangles around each vertex.

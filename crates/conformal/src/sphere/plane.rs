@@ -17,6 +17,9 @@ const SWEEPS: usize = 3;
 /// Each chart is free up to this modulus of its own coordinate, so that they overlap.
 const OVERLAP: f64 = 1.6;
 
+/// Steps towards the median of the plane, which only has to lie among the vertices.
+const MEDIAN_STEPS: usize = 30;
+
 /// Moduli below this count as this where a vertex is inverted only to be held: on meshes of a few
 /// triangles a held vertex may lie at zero.
 const LEAST_MODULUS: f64 = 1e-2;
@@ -30,9 +33,9 @@ pub(super) struct Chart<'a> {
 }
 
 impl Chart<'_> {
-    /// Returns the image of each vertex on the unit sphere.
-    pub(super) fn map(&self) -> Result<Vec<Vector3<f64>>, FactorError> {
-        let mut z = self.outside_a_triangle()?;
+    /// Returns the image of each vertex on the unit sphere, after both charts were corrected.
+    pub(super) fn corrected(&self, z: &Mat<f64>) -> Result<Vec<Vector3<f64>>, FactorError> {
+        let mut z = z.clone();
         self.centre(&mut z);
         let modulus: Vec<f64> = (0..z.nrows()).map(|v| z[(v, 0)].hypot(z[(v, 1)])).collect();
         let outer: Vec<bool> = modulus.iter().map(|&r| r > 1.0 / OVERLAP).collect();
@@ -57,11 +60,20 @@ impl Chart<'_> {
         Ok((0..z.nrows()).map(place).collect())
     }
 
+    /// Returns the image of each vertex on the unit sphere, the middle of the triangle at the pole.
+    pub(super) fn uncorrected(&self, z: &Mat<f64>) -> Vec<Vector3<f64>> {
+        let moduli = (0..z.nrows()).map(|v| z[(v, 0)].hypot(z[(v, 1)]));
+        // The triangle at infinity stays inside a hemisphere.
+        let radius = weighted_median(moduli, self.areas).clamp(f64::MIN_POSITIVE, 0.5);
+        let place = |v: usize| lift(z[(v, 0)] / radius, z[(v, 1)] / radius);
+        (0..z.nrows()).map(place).collect()
+    }
+
     /// Returns the harmonic map whose best-shaped triangle is held, with everything else inside.
     ///
     /// # Reference
     /// [Tutte1963]; [Floater1997].
-    fn outside_a_triangle(&self) -> Result<Mat<f64>, FactorError> {
+    pub(super) fn outside_a_triangle(&self) -> Result<Mat<f64>, FactorError> {
         let faces = &self.triangulation.faces;
         let mut best = (f64::NEG_INFINITY, 0);
         for (face, &sides) in self.triangulation.lengths.iter().enumerate() {
@@ -83,17 +95,32 @@ impl Chart<'_> {
         Ok(z)
     }
 
-    /// Moves the median by area to zero, and half of the area into the unit circle.
+    /// Moves the geometric median by area to zero, and half of the area into the unit circle.
+    ///
+    /// # Reference
+    /// [Weiszfeld1937].
     fn centre(&self, z: &mut Mat<f64>) {
+        let total: f64 = self.areas.iter().sum();
+        let mut middle = [0, 1].map(|side| {
+            let terms = (0..z.nrows()).map(|v| z[(v, side)] * self.areas[v]);
+            terms.sum::<f64>() / total
+        });
+        for _ in 0..MEDIAN_STEPS {
+            let mut sums = [0.0; 3];
+            for (v, area) in self.areas.iter().enumerate() {
+                let distance = (z[(v, 0)] - middle[0]).hypot(z[(v, 1)] - middle[1]);
+                let weight = area / distance.max(f64::EPSILON);
+                let terms = [weight * z[(v, 0)], weight * z[(v, 1)], weight];
+                (0..3).for_each(|i| sums[i] += terms[i]);
+            }
+            middle = [sums[0] / sums[2], sums[1] / sums[2]];
+        }
         for side in 0..2 {
-            let middle = weighted_median((0..z.nrows()).map(|v| z[(v, side)]), self.areas);
-            (0..z.nrows()).for_each(|v| z[(v, side)] -= middle);
+            (0..z.nrows()).for_each(|v| z[(v, side)] -= middle[side]);
         }
         let moduli = (0..z.nrows()).map(|v| z[(v, 0)].hypot(z[(v, 1)]));
-        let radius = weighted_median(moduli, self.areas);
-        if radius > 0.0 {
-            (0..2).for_each(|side| (0..z.nrows()).for_each(|v| z[(v, side)] /= radius));
-        }
+        let radius = weighted_median(moduli, self.areas).max(f64::EPSILON);
+        (0..2).for_each(|side| (0..z.nrows()).for_each(|v| z[(v, side)] /= radius));
     }
 }
 

@@ -85,7 +85,8 @@ fn numbering_size_and_threads_do_not_matter() {
     let faces = faces.map(|&[a, b, c]| [b, c, a].map(renamed)).collect();
     let other = map(&TriangleMesh::build(positions, faces).expect("a mesh")).points;
     let back: Vec<_> = (0..count).map(|v| other[renamed(v) as usize]).collect();
-    assert!(distance_up_to_rotation(&back, &points) < ROUNDING);
+    let distance = distance_up_to_rotation(&back, &points);
+    assert!(distance < ROUNDING, "{distance}");
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.expect("a pool").install(|| map(&mesh).points)
