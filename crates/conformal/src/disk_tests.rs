@@ -82,14 +82,16 @@ fn a_spherical_cap_becomes_its_stereographic_image() {
 
 #[test]
 fn curved_disks_have_no_flips() {
-    for mesh in [
+    // What the size of the faces leaves; the cap is all but a closed sphere.
+    let (patch, fine, cap) = (
         zoo::with_boundary(),
         shapes::height_field(5000),
         cap(2.9, 20),
-    ] {
+    );
+    for (mesh, largest) in [(patch, 1.03), (fine, 1.01), (cap, 1.13)] {
         let map = flatten_disk(&mesh).expect("a flattening");
         assert_eq!(map.distortion.flips, 0);
-        println!("{:?}", map.distortion);
+        assert!(map.distortion.angle_mean < largest, "{:?}", map.distortion);
     }
 }
 

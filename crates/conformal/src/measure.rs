@@ -157,18 +157,31 @@ pub fn measure_spherical(
     lengths: &[[f64; 3]],
     points: &[Vector3<f64>],
 ) -> Distortion {
+    let mut distortion = Distortion::of(
+        &spherical_stretches(faces, lengths, points),
+        &areas(lengths),
+    );
+    distortion.flips = spherical_flips(faces, points).len();
+    distortion
+}
+
+/// Returns the stretch of each triangle into the plane triangle of its corners' images, whose
+/// orientation is not judged.
+///
+/// # Panics
+/// If a face names a vertex without image, or there are not three lengths per face.
+#[must_use]
+pub fn spherical_stretches(
+    faces: &[[u32; 3]],
+    lengths: &[[f64; 3]],
+    points: &[Vector3<f64>],
+) -> Vec<Stretch> {
     assert_eq!(faces.len(), lengths.len(), "lengths of every face");
-    let flips = spherical_flips(faces, points);
-    let mut stretches: Vec<Stretch> = faces
+    faces
         .iter()
         .zip(lengths)
         .map(|(corners, &sides)| stretch(sides, chords(corners.map(|v| points[v as usize]))))
-        .collect();
-    stretches.iter_mut().for_each(|s| s.flipped = false);
-    flips
-        .iter()
-        .for_each(|&f| stretches[f as usize].flipped = true);
-    Distortion::of(&stretches, &areas(lengths))
+        .collect()
 }
 
 /// Returns the edge vector of each half-edge of faces with corners in the plane.

@@ -1,7 +1,8 @@
-//! Lowering angle distortion: each vertex moves to where the triangles around it are least stretched.
+//! Lowering the distortion of single triangles that the harmonic map leaves far from conformal.
 //!
-//! The harmonic map weighs triangles by the areas of their images, so that where the conformal
-//! factor changes from triangle to triangle the larger ones leave the distortion to the smaller.
+//! Behind a neck of three edges the triangles of a whole limb fit into one, and some of them come
+//! out as slivers. Their corners move to where the triangles around them are least stretched; the
+//! rest of the map stays harmonic, which is smoother than what is best for every triangle alone.
 //!
 //! # Notation
 //! `E = Σ A (σ₁ / σ₂ + σ₂ / σ₁)` over the triangles around a vertex, with their areas `A` on the
@@ -12,9 +13,13 @@ use msplines_common::operators::intrinsic::IntrinsicTriangulation;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 use crate::extension::ends;
-use crate::untangle::Stars;
+use crate::measure::spherical_stretches;
+use crate::untangle::{Stars, tangent_frame};
 
-/// Passes over all vertices; what is wrong from triangle to triangle is gone after a few.
+/// Corners of triangles with a larger ratio of singular values are moved.
+const STRETCHED: f64 = 2.0;
+
+/// Passes over these corners; most of what can be gained is gained in the first few.
 const PASSES: usize = 8;
 
 /// Halvings of a step that raises the energy.
@@ -23,44 +28,57 @@ const HALVINGS: usize = 6;
 /// Lowers the angle distortion of a map onto the unit sphere; no triangle is turned over by it.
 ///
 /// # Reference
-/// [Hormann2000]. Deviation: triangles are weighted by their areas on the surface.
+/// [Hormann2000]. Deviation: triangles are weighted by their areas on the surface, and vertices
+/// move only where triangles are stretched.
 pub(crate) fn polish_sphere(triangulation: &IntrinsicTriangulation, points: &mut [Vector3<f64>]) {
     let stars = Stars::of(triangulation, points.len());
-    let quadratics: Vec<[f64; 3]> = (0..triangulation.twins.len() as u32)
-        .map(|h| shape(triangulation, h))
-        .collect();
-    let fans: Vec<Vec<u32>> = (0..points.len() as u32)
-        .map(|v| stars.fan(v).unwrap_or_default())
-        .collect();
-    let mut star = Vec::new();
     for _ in 0..PASSES {
-        for (v, fan) in fans.iter().enumerate() {
-            let centre = points[v];
-            let first = centre.cross(&Vector3::ith(centre.iamin(), 1.0)).normalize();
-            let second = centre.cross(&first);
-            // Stereographic from the opposite point: angles stay, and the vertex is at zero.
-            let project = |p: &Vector3<f64>| {
-                let scale = 1.0 / (1.0 + p.dot(&centre));
-                let offset = p - centre;
-                Vector2::new(offset.dot(&first), offset.dot(&second)) * scale
-            };
-            star.clear();
-            star.extend(fan.iter().map(|&h| {
-                let [_, b] = ends(triangulation, h);
-                let c = ends(triangulation, Topology::previous(h))[0];
-                let [b, c] = [b, c].map(|v| project(&points[v as usize]));
-                Corner {
-                    b,
-                    c,
-                    shape: quadratics[h as usize],
-                }
-            }));
-            if let Some(step) = best_step(&star) {
-                let square = step.norm_squared();
-                let flat = first * (2.0 * step.x) + second * (2.0 * step.y);
-                points[v] = ((centre * (1.0 - square) + flat) / (1.0 + square)).normalize();
+        for vertex in stretched(triangulation, points) {
+            if let Some(fan) = stars.fan(vertex) {
+                relax(triangulation, &fan, vertex as usize, points);
             }
         }
+    }
+}
+
+/// Returns the corners of stretched triangles, each once, ascending.
+fn stretched(triangulation: &IntrinsicTriangulation, points: &[Vector3<f64>]) -> Vec<u32> {
+    let stretches = spherical_stretches(&triangulation.faces, &triangulation.lengths, points);
+    let faces = triangulation.faces.iter().zip(&stretches);
+    let mut vertices: Vec<u32> = faces
+        .filter(|(_, stretch)| stretch.anisotropy > STRETCHED)
+        .flat_map(|(corners, _)| *corners)
+        .collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
+}
+
+/// Moves a vertex, given its outgoing half-edges, if that lowers the energy around it.
+fn relax(
+    triangulation: &IntrinsicTriangulation,
+    fan: &[u32],
+    vertex: usize,
+    points: &mut [Vector3<f64>],
+) {
+    let centre = points[vertex];
+    let [first, second] = tangent_frame(centre);
+    // Stereographic from the opposite point: angles stay, and the vertex is at zero.
+    let project = |v: u32| {
+        let offset = points[v as usize] - centre;
+        let scale = 1.0 / (1.0 + points[v as usize].dot(&centre));
+        Vector2::new(offset.dot(&first), offset.dot(&second)) * scale
+    };
+    let corner = |&h: &u32| Corner {
+        b: project(ends(triangulation, h)[1]),
+        c: project(ends(triangulation, Topology::previous(h))[0]),
+        shape: shape(triangulation, h),
+    };
+    let star: Vec<Corner> = fan.iter().map(corner).collect();
+    if let Some(step) = best_step(&star) {
+        let square = step.norm_squared();
+        let flat = first * (2.0 * step.x) + second * (2.0 * step.y);
+        points[vertex] = ((centre * (1.0 - square) + flat) / (1.0 + square)).normalize();
     }
 }
 
@@ -149,4 +167,50 @@ fn best_step(star: &[Corner]) -> Option<Vector2<f64>> {
         step *= 0.5;
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivatives_are_those_of_the_energy() {
+        let corner = Corner {
+            b: Vector2::new(1.0, 0.2),
+            c: Vector2::new(-0.1, 0.8),
+            shape: [0.7, 0.9, -0.3],
+        };
+        let (gradient, hessian) = corner.derivatives();
+        // Differences of second order: cubic terms of size one leave their square.
+        let step = 1e-4;
+        for axis in 0..2 {
+            let unit = Vector2::ith(axis, step);
+            let [ahead, here, behind] = [1.0, 0.0, -1.0].map(|s| corner.energy(unit * s));
+            assert!(((ahead - behind) / (2.0 * step) - gradient[axis]).abs() < 1e-6);
+            let second = (ahead - 2.0 * here + behind) / (step * step);
+            assert!((second - hessian[(axis, axis)]).abs() < 1e-6);
+        }
+        let mixed = |s: f64, t: f64| corner.energy(Vector2::new(s * step, t * step));
+        let cross = mixed(1., 1.) - mixed(1., -1.) - mixed(-1., 1.) + mixed(-1., -1.);
+        assert!((cross / (4.0 * step * step) - hessian[(0, 1)]).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_energy_is_the_sum_of_both_ratios() {
+        // A right triangle with sides 3 and 4 and area 6, stretched by 2 along the second one.
+        let mesh = msplines_common::mesh::TriangleMesh::build(
+            [[0., 0., 0.], [3., 0., 0.], [0., 4., 0.]]
+                .map(nalgebra::Point3::from)
+                .to_vec(),
+            vec![[0, 1, 2]],
+        );
+        let triangulation =
+            msplines_common::operators::intrinsic::intrinsic_delaunay(&mesh.expect("a triangle"));
+        let corner = Corner {
+            b: Vector2::new(3.0, 0.0),
+            c: Vector2::new(0.0, 8.0),
+            shape: shape(&triangulation.expect("a triangulation"), 0),
+        };
+        assert!((corner.energy(Vector2::zeros()) - 6.0 * 2.5).abs() < 1e-12);
+    }
 }

@@ -32,9 +32,7 @@ pub(crate) fn untangle_sphere(
             let ring: Vec<Vector3<f64>> = link.iter().map(|&v| points[v as usize]).collect();
             let normal = ring.iter().sum::<Vector3<f64>>().normalize();
             // Straight lines of the gnomonic plane are great circles.
-            let axis = normal.iamin();
-            let first = normal.cross(&Vector3::ith(axis, 1.0)).normalize();
-            let second = normal.cross(&first);
+            let [first, second] = tangent_frame(normal);
             if ring.iter().any(|p| p.dot(&normal) <= 0.0) {
                 continue;
             }
@@ -78,6 +76,12 @@ pub(crate) fn untangle_plane(
         flips = planar_flips(&triangulation.faces, points);
     }
     moved.iter().filter(|&&m| m).count()
+}
+
+/// Returns two axes that with a unit vector, seen from outside, make a right-handed frame.
+pub(crate) fn tangent_frame(normal: Vector3<f64>) -> [Vector3<f64>; 2] {
+    let first = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
+    [first, normal.cross(&first)]
 }
 
 /// Returns the corners of some faces, each once, ascending.

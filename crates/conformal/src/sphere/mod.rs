@@ -71,8 +71,8 @@ impl SphericalMap {
 ///
 /// # Reference
 /// [Tutte1963]; [Haker2000]. Deviation: the weights are those of the intrinsic Delaunay
-/// triangulation, the map is corrected by alternating between two charts, and at last every vertex
-/// moves to where the triangles around it are least stretched.
+/// triangulation, the map is corrected by alternating between two charts, and at last the corners of
+/// stretched triangles move to where these are least stretched.
 ///
 /// # Errors
 /// A mesh that is not one closed surface of genus 0, and one on which triangles stay turned over.

@@ -2,6 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::untangle::tangent_frame;
+
 /// Newton steps of the centring; it converges quadratically in less than ten.
 const MAX_STEPS: usize = 60;
 
@@ -73,17 +75,8 @@ fn inversion(p: Vector3<f64>, c: Vector3<f64>) -> Vector3<f64> {
 
 /// Returns stereographic coordinates from a unit vector `pole`.
 pub(super) fn stereographic(points: &[Vector3<f64>], pole: Vector3<f64>) -> Vec<[f64; 2]> {
-    let least = if pole.x.abs() <= pole.y.abs() && pole.x.abs() <= pole.z.abs() {
-        Vector3::x()
-    } else if pole.y.abs() <= pole.z.abs() {
-        Vector3::y()
-    } else {
-        Vector3::z()
-    };
-    // Seen from outside the sphere, opposite to the pole, the second axis is to the left of the
-    // first.
-    let first = pole.cross(&least).normalize();
-    let second = first.cross(&pole);
+    // The frame seen from outside, opposite to the pole.
+    let [first, second] = tangent_frame(-pole);
     let project = |p: &Vector3<f64>| {
         // 1 - p·pole without cancellation.
         let height = 0.5 * (p - pole).norm_squared();
