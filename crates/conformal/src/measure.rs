@@ -20,7 +20,8 @@ pub struct Stretch {
     pub flipped: bool,
 }
 
-/// What a map does to a whole surface; every statistic is weighted by the areas of the surface.
+/// What a map does to a whole surface; every statistic is weighted by the areas of the surface, and
+/// taken over the triangles that keep their orientation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Distortion {
     /// Mean of the ratio of the singular values; 1 is conformal.
@@ -43,7 +44,7 @@ impl Distortion {
         let mut weighted: Vec<(f64, f64, f64)> = stretches
             .iter()
             .zip(areas)
-            .filter(|(_, area)| **area > 0.0)
+            .filter(|(stretch, area)| **area > 0.0 && !stretch.flipped)
             .map(|(stretch, &area)| (stretch.anisotropy, stretch.scale, area))
             .collect();
         let total: f64 = weighted.iter().map(|entry| entry.2).sum();
@@ -284,10 +285,10 @@ mod tests {
             scale,
             flipped: anisotropy > 5.0,
         };
-        let all = [stretch(9.0, 1.0), stretch(1.0, 4.0), stretch(2.0, 2.0)];
-        let found = Distortion::of(&all, &[1.0, 4.0, 0.0]);
-        assert_eq!((found.angle_mean, found.angle_p50), (2.6, 1.0));
-        assert_eq!((found.angle_p99, found.scale_spread), (9.0, 4.0));
+        let all = [3.5, 1.0, 2.0, 9.0].map(|k| stretch(k, 4.0 / k));
+        let found = Distortion::of(&all, &[1.0, 4.0, 0.0, 7.0]);
+        assert_eq!((found.angle_mean, found.angle_p50), (1.5, 1.0));
+        assert_eq!((found.angle_p99, found.scale_spread), (3.5, 3.5));
         assert_eq!(found.flips, 1);
     }
 

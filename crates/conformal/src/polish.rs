@@ -22,6 +22,9 @@ const STRETCHED: f64 = 2.0;
 /// Passes over these corners; most of what can be gained is gained in the first few.
 const PASSES: usize = 8;
 
+/// Newton steps of one vertex in one pass. From beside an edge each step goes half as far again.
+const STEPS: usize = 12;
+
 /// Halvings of a step that raises the energy.
 const HALVINGS: usize = 6;
 
@@ -34,8 +37,13 @@ pub(crate) fn polish_sphere(triangulation: &IntrinsicTriangulation, points: &mut
     let stars = Stars::of(triangulation, points.len());
     for _ in 0..PASSES {
         for vertex in stretched(triangulation, points) {
-            if let Some(fan) = stars.fan(vertex) {
-                relax(triangulation, &fan, vertex as usize, points);
+            let Some(fan) = stars.fan(vertex) else {
+                continue;
+            };
+            for _ in 0..STEPS {
+                if !relax(triangulation, &fan, vertex as usize, points) {
+                    break;
+                }
             }
         }
     }
@@ -54,13 +62,14 @@ fn stretched(triangulation: &IntrinsicTriangulation, points: &[Vector3<f64>]) ->
     vertices
 }
 
-/// Moves a vertex, given its outgoing half-edges, if that lowers the energy around it.
+/// Moves a vertex, given its outgoing half-edges, if that lowers the energy around it; returns
+/// whether it did.
 fn relax(
     triangulation: &IntrinsicTriangulation,
     fan: &[u32],
     vertex: usize,
     points: &mut [Vector3<f64>],
-) {
+) -> bool {
     let centre = points[vertex];
     let [first, second] = tangent_frame(centre);
     // Stereographic from the opposite point: angles stay, and the vertex is at zero.
@@ -75,11 +84,13 @@ fn relax(
         shape: shape(triangulation, h),
     };
     let star: Vec<Corner> = fan.iter().map(corner).collect();
-    if let Some(step) = best_step(&star) {
+    let step = best_step(&star);
+    if let Some(step) = step {
         let square = step.norm_squared();
         let flat = first * (2.0 * step.x) + second * (2.0 * step.y);
         points[vertex] = ((centre * (1.0 - square) + flat) / (1.0 + square)).normalize();
     }
+    step.is_some()
 }
 
 /// A triangle around the vertex at zero, its other corners counter-clockwise.

@@ -1,9 +1,10 @@
-//! Spherical maps and flattenings of surfaces of the library of models.
+//! Spherical maps, flattenings and bounded forms of surfaces of the library of models.
 #![allow(clippy::print_stdout, reason = "the measures of every model are shown")]
 
 mod library;
 
 use msplines_common::operators::intrinsic::FlipRule;
+use msplines_conformal::bounded::bounded_form;
 use msplines_conformal::disk::{Route, flatten_disk};
 use msplines_conformal::sphere::spherical_map;
 
@@ -50,4 +51,24 @@ fn open_models_flatten_without_flips() {
         assert_eq!(map.distortion.flips, 0);
         assert!(map.route != Route::Convex && map.distortion.angle_mean < largest);
     }
+}
+
+#[test]
+fn five_holes_give_three_zeros_and_few_flips() {
+    let Some(mesh) = library::model("bunny_35k_open") else {
+        return;
+    };
+    let topology = mesh.topology();
+    let loops = topology.boundary_loops().len();
+    assert_eq!(loops, 5);
+    let levels = [0.0, 1.0, 1.0, 1.0, 1.0];
+    let result = bounded_form(&mesh, &levels, FlipRule::Simplicial).expect("a form");
+    let faces = &result.triangulation.faces;
+    let on_boundary = |&v: &u32| topology.is_boundary_vertex(v);
+    let ears = faces.iter().filter(|f| f.iter().all(on_boundary)).count();
+    println!("{:?}, {ears} ears", result.distortion);
+    // Besides the triangles on which u is constant, only those around the zeros turn over.
+    let zeros = loops - 2;
+    assert!(result.distortion.flips <= ears + 6 * zeros);
+    assert!(result.distortion.angle_p50 < 1.03);
 }

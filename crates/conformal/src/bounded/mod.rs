@@ -40,7 +40,8 @@ pub struct BoundedForm {
     /// The integral of `dv` around each boundary loop but the first, the surface on its left: the
     /// flux of `u` out of it.
     pub periods: Vec<f64>,
-    /// How far the form is from conformal; flips lie around its zeros.
+    /// How far the form is from conformal. Flips lie around its zeros, and a triangle with all
+    /// corners on one boundary loop counts as one, because `u` is constant on it.
     pub distortion: Distortion,
 }
 
