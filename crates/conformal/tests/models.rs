@@ -3,6 +3,7 @@
 
 mod library;
 
+use msplines_common::mesh::TriangleMesh;
 use msplines_common::operators::intrinsic::FlipRule;
 use msplines_conformal::bounded::bounded_form;
 use msplines_conformal::disk::{Route, flatten_disk};
@@ -67,8 +68,22 @@ fn five_holes_give_three_zeros_and_few_flips() {
     let on_boundary = |&v: &u32| topology.is_boundary_vertex(v);
     let ears = faces.iter().filter(|f| f.iter().all(on_boundary)).count();
     println!("{:?}, {ears} ears", result.distortion);
-    // Besides the triangles on which u is constant, only those around the zeros turn over.
-    let zeros = loops - 2;
-    assert!(result.distortion.flips <= ears + 6 * zeros);
+    // Two zeros have one each; one lies two edges from a hole, where 16 turn over.
+    assert!(result.distortion.flips <= ears + 18);
     assert!(result.distortion.angle_p50 < 1.03);
+    assert_eq!(saddles(&mesh, faces, &result.form), loops - 2);
+}
+
+/// Returns how many inner vertices see the first part of a form change its sign four times or more.
+fn saddles(mesh: &TriangleMesh, faces: &[[u32; 3]], form: &[[f64; 2]]) -> usize {
+    let mut changes = vec![0; mesh.vertex_count()];
+    for (corners, sides) in faces.iter().zip(form.as_chunks::<3>().0) {
+        for (i, &corner) in corners.iter().enumerate() {
+            let [ahead, behind] = [sides[i][0], -sides[(i + 2) % 3][0]];
+            changes[corner as usize] += u32::from((ahead > 0.0) != (behind > 0.0));
+        }
+    }
+    let inner = |v: usize| !mesh.topology().is_boundary_vertex(v as u32);
+    let vertices = 0..mesh.vertex_count();
+    vertices.filter(|&v| inner(v) && changes[v] > 2).count()
 }
