@@ -21,7 +21,7 @@ use crate::flat::{FlatComplex, cross, remeshed};
 use crate::zeros::{Findings, Zero, find};
 
 /// Local refinements before a mesh is given up.
-pub const ROUNDS: usize = 8;
+const ROUNDS: usize = 8;
 
 /// Rounds in which weights are relaxed where faces fold, before faces are split there too.
 const RELAXATIONS: usize = 4;
@@ -37,8 +37,7 @@ pub struct Atlas {
 }
 
 impl Atlas {
-    /// Lays out a surface by a closed form on its half-edges, such as that of a disk or of a surface
-    /// with boundary. O(n).
+    /// Lays out a surface by a closed form on the half-edges of the mesh. O(n).
     ///
     /// # Errors
     /// Faces that stay folded, or zeros that cannot be cut out; nothing is refined.
@@ -55,8 +54,18 @@ impl Atlas {
         let form = (0..form.len())
             .map(|h| [carried[0][h], carried[1][h]])
             .collect();
-        let ground = Ground::build(mesh, &triangulation);
-        let (flat, findings) = ground.lay_out(form);
+        Self::on_triangulation(mesh, &triangulation, form, None)
+    }
+
+    /// Lays out a surface by a closed form on the half-edges of a triangulation of it.
+    pub(crate) fn on_triangulation(
+        mesh: &TriangleMesh,
+        triangulation: &IntrinsicTriangulation,
+        form: Vec<[f64; 2]>,
+        pole: Option<u32>,
+    ) -> Result<Self, ConformalError> {
+        let ground = Ground::build(mesh, triangulation);
+        let (flat, findings) = ground.lay_out(form, pole);
         if findings.is_clean() {
             ground.atlas(flat, findings.zeros, mesh.vertex_count(), 0)
         } else {
@@ -64,11 +73,16 @@ impl Atlas {
         }
     }
 
+    /// Says that the vertices after these were added to the input.
+    pub(crate) fn set_input_vertices(&mut self, count: usize) {
+        self.input_vertices = count;
+    }
+
     /// Builds the atlas of a closed surface of genus >= 1.
     ///
     /// Forms are tried in the order of the choice. Where all of them fold the mesh away from their
     /// zeros, or have zeros too close together, faces there are split into four and the forms
-    /// computed anew, [`ROUNDS`] times; [`Self::added_vertices`] tells how many vertices that added.
+    /// computed anew, eight times at most; [`Self::added_vertices`] tells how many vertices that added.
     ///
     /// # Errors
     /// As [`HolomorphicBasis::build`] and [`FormChoice::candidates`]; a mesh that stays too coarse.
@@ -82,7 +96,7 @@ impl Atlas {
             let mut worst: Option<(FlatComplex, Findings)> = None;
             for candidate in choice.candidates(&basis)? {
                 let form = basis.form([&candidate.real, &candidate.imaginary]);
-                let (flat, findings) = ground.lay_out(form);
+                let (flat, findings) = ground.lay_out(form, None);
                 if findings.is_clean() {
                     let count = mesh.vertex_count();
                     let atlas = ground.atlas(flat, findings.zeros, count, round)?;
@@ -206,10 +220,10 @@ impl<'a> Ground<'a> {
         Self { mesh, glued }
     }
 
-    fn lay_out(&self, form: Vec<[f64; 2]>) -> (FlatComplex, Findings) {
+    fn lay_out(&self, form: Vec<[f64; 2]>, pole: Option<u32>) -> (FlatComplex, Findings) {
         let mut flat = FlatComplex::of(&self.glued, form);
         flat.unfold();
-        let findings = find(&flat, self.mesh.vertex_count());
+        let findings = find(&flat, self.mesh.vertex_count(), pole);
         (flat, findings)
     }
 

@@ -1,7 +1,12 @@
 //! Why a surface has no atlas of the kind asked for.
 
+use msplines_common::mesh::SplitError;
 use msplines_common::operators::PoissonError;
 use msplines_common::operators::intrinsic::IntrinsicError;
+
+use crate::bounded::{BoundedError, PunctureError};
+use crate::disk::DiskError;
+use crate::sphere::SphereError;
 
 /// Why no holomorphic 1-form or atlas could be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -28,6 +33,31 @@ pub enum ConformalError {
         "a closed surface of genus 0 has no holomorphic 1-form; remove the star of a vertex (--puncture), or use the spherical map"
     )]
     NoForm,
+    /// A surface with handles and a boundary.
+    #[error(
+        "the surface has {genus} handles and {loops} boundary loops; fill the holes, or cut it to genus 0"
+    )]
+    HandlesAndBoundary {
+        /// Number of handles.
+        genus: u32,
+        /// Number of loops.
+        loops: usize,
+    },
+    /// Stars that cannot be removed.
+    #[error(transparent)]
+    Puncture(#[from] PunctureError),
+    /// No conformal map of the disk.
+    #[error(transparent)]
+    Disk(#[from] DiskError),
+    /// No conformal map to the sphere.
+    #[error(transparent)]
+    Sphere(#[from] SphereError),
+    /// No form of a surface with boundary.
+    #[error(transparent)]
+    Bounded(#[from] BoundedError),
+    /// Faces that cannot be split.
+    #[error(transparent)]
+    Split(#[from] SplitError),
     /// No intrinsic triangulation.
     #[error(transparent)]
     Intrinsic(#[from] IntrinsicError),

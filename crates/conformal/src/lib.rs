@@ -1,19 +1,34 @@
 //! Conformal structure of triangle meshes: holomorphic 1-forms, affine atlases, spherical maps.
+//!
+//! [`Atlas::of_surface`] lays out any connected surface that it can: a closed one of genus >= 1 by a
+//! holomorphic form ([`HolomorphicBasis`], [`FormChoice`]), a sphere by its conformal map to the round
+//! one ([`sphere`]), a disk by flattening it ([`disk`]), a sphere with several holes by a harmonic
+//! function and its conjugate ([`bounded`]).
 
 mod atlas;
 mod basis;
 mod choice;
 mod descent;
 mod error;
+mod extension;
 mod flat;
 mod homology;
+mod polish;
 mod potentials;
+mod surface;
 mod uniformity;
+mod untangle;
 mod zeros;
+
+pub mod bounded;
+pub mod disk;
+pub mod measure;
+pub mod sphere;
 
 pub use atlas::{Atlas, ClosedAtlas};
 pub use basis::HolomorphicBasis;
 pub use choice::{FormChoice, HolomorphicForm};
 pub use error::ConformalError;
 pub use homology::{Cocycle, Homology};
+pub use surface::{AtlasOptions, AtlasReport, Structure, SurfaceAtlas};
 pub use zeros::Zero;

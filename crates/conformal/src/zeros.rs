@@ -17,11 +17,11 @@ use crate::flat::FlatComplex;
 /// Directions `θ` in [0, π) under which indices are taken.
 const DIRECTIONS: u32 = 24;
 
-/// A zero of the form.
+/// A zero of the form, or its pole.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Zero {
-    /// Its order: 1 for a simple zero.
-    pub multiplicity: u32,
+    /// Its order: 1 for a simple zero, -2 for the double pole of a stereographic image.
+    pub order: i32,
     /// Vertices that it lies between, ascending; one if it lies at a vertex.
     pub vertices: Vec<u32>,
     /// Faces around these vertices, ascending: the hole of an affine atlas.
@@ -51,8 +51,8 @@ impl Findings {
     }
 }
 
-/// Finds the zeros on a flattened mesh of so many vertices.
-pub(crate) fn find(flat: &FlatComplex, vertices: usize) -> Findings {
+/// Finds the zeros on a flattened mesh of so many vertices; what lies around a pole is left out.
+pub(crate) fn find(flat: &FlatComplex, vertices: usize, pole: Option<u32>) -> Findings {
     let outgoing = flat.outgoing(vertices);
     let mut stars: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     let mut indices: BTreeMap<u32, Vec<i32>> = BTreeMap::new();
@@ -60,7 +60,8 @@ pub(crate) fn find(flat: &FlatComplex, vertices: usize) -> Findings {
         let Some(star) = flat.star(outgoing[vertex as usize]) else {
             continue;
         };
-        if flat.is_regular(&star) {
+        let at_pole = Some(vertex) == pole || star.iter().any(|&h| Some(flat.target(h)) == pole);
+        if at_pole || flat.is_regular(&star) {
             continue;
         }
         let directions = (0..DIRECTIONS).map(|i| f64::from(i) * PI / f64::from(DIRECTIONS));
@@ -92,9 +93,22 @@ pub(crate) fn find(flat: &FlatComplex, vertices: usize) -> Findings {
             in_zeros[face as usize] = findings.zeros.len() as u32;
         }
         findings.zeros.push(Zero {
-            multiplicity: (-sums[0]) as u32,
+            order: -sums[0],
             vertices: cluster,
             faces: faces.into_iter().collect(),
+        });
+    }
+    if let Some(pole) = pole {
+        let corners = flat.faces().iter().enumerate();
+        let star = corners.filter(|(_, corners)| corners.contains(&pole));
+        let faces: Vec<u32> = star.map(|(face, _)| face as u32).collect();
+        for &face in &faces {
+            in_zeros[face as usize] = findings.zeros.len() as u32;
+        }
+        findings.zeros.push(Zero {
+            order: -2,
+            vertices: vec![pole],
+            faces,
         });
     }
     let folded = (0..flat.faces().len() as u32).filter(|&f| flat.doubled_area(f) <= 0.0);

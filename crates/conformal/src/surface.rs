@@ -1,0 +1,245 @@
+//! The affine atlas of a surface, whatever its topology.
+
+use msplines_common::mesh::{Facts, SurfacePoint, TriangleMesh, split_at};
+use msplines_common::operators::intrinsic::FlipRule;
+use serde::{Deserialize, Serialize};
+
+use crate::atlas::Atlas;
+use crate::basis::HolomorphicBasis;
+use crate::bounded::{bounded_form, puncture};
+use crate::choice::{FormChoice, HolomorphicForm};
+use crate::disk::flatten_disk;
+use crate::error::ConformalError;
+use crate::measure::{Distortion, measure_flat, planar_edges};
+use crate::sphere::spherical_map;
+
+/// How a surface is laid out.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AtlasOptions {
+    /// The form of a closed surface of genus >= 1; surfaces of genus 0 leave no choice.
+    pub form: FormChoice,
+    /// Vertices whose stars are removed first.
+    pub puncture: Vec<u32>,
+}
+
+/// What a surface is laid out by.
+#[derive(Clone, Debug)]
+pub enum Structure {
+    /// A holomorphic form of a closed surface, and the harmonic forms it was chosen from.
+    Closed {
+        /// The harmonic forms of the mesh, refined where that was needed.
+        basis: Box<HolomorphicBasis>,
+        /// The form taken, before it was scaled.
+        form: HolomorphicForm,
+    },
+    /// The stereographic image of a closed surface of genus 0, from a vertex that lies at infinity.
+    Sphere {
+        /// That vertex.
+        pole: u32,
+    },
+    /// A flattened disk.
+    Disk,
+    /// A harmonic function with constant levels on the boundary loops, and its conjugate.
+    Bounded {
+        /// The level of each loop, in the order of the topology's loops.
+        levels: Vec<f64>,
+    },
+}
+
+/// An atlas and how it was made.
+#[derive(Clone, Debug)]
+pub struct SurfaceAtlas {
+    /// The atlas.
+    pub atlas: Atlas,
+    /// What the surface is laid out by.
+    pub structure: Structure,
+    /// Vertex of the input that each vertex of the atlas is; nothing for added ones.
+    pub origins: Vec<Option<u32>>,
+    /// Figures about it.
+    pub report: AtlasReport,
+}
+
+/// Figures about an atlas.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AtlasReport {
+    /// Number of handles.
+    pub genus: u32,
+    /// Number of zeros, with their orders.
+    pub zeros: u32,
+    /// Folded faces outside of the holes: always 0.
+    pub flips: usize,
+    /// Vertices added by local refinement.
+    pub added_vertices: usize,
+    /// Rounds in which the mesh was refined or weights were relaxed.
+    pub rounds: usize,
+    /// Angle distortion and spread of the conformal factor, folded faces at zeros left out.
+    pub distortion: Distortion,
+    /// Largest sum of the form around a face, relative to its longest side in the plane.
+    pub closedness: f64,
+    /// Largest flux out of a vertex relative to the largest one beside it; of closed surfaces.
+    pub co_closedness: Option<f64>,
+    /// `|C² + I|`, the error of the discretisation; of closed surfaces of genus >= 1.
+    pub conjugation_defect: Option<f64>,
+    /// Area-weighted variance of `log |ω|`; of closed surfaces of genus >= 1.
+    pub log_variance: Option<f64>,
+}
+
+impl Atlas {
+    /// Lays out a connected surface, after removing the stars of the vertices to be punctured.
+    ///
+    /// # Errors
+    /// Several components, handles together with a boundary, stars that cannot be removed, and what
+    /// the map of each kind of surface refuses.
+    pub fn of_surface(
+        mesh: &TriangleMesh,
+        options: &AtlasOptions,
+    ) -> Result<SurfaceAtlas, ConformalError> {
+        if options.puncture.is_empty() {
+            let all = (0..mesh.vertex_count() as u32).collect();
+            return lay_out(mesh, all, &options.form);
+        }
+        let (rest, origins) = puncture(mesh, &options.puncture)?;
+        lay_out(&rest, origins, &options.form)
+    }
+}
+
+fn lay_out(
+    mesh: &TriangleMesh,
+    origins: Vec<u32>,
+    choice: &FormChoice,
+) -> Result<SurfaceAtlas, ConformalError> {
+    let facts = Facts::measure(mesh);
+    let Some(genus) = facts.genus else {
+        return Err(ConformalError::NotConnected {
+            components: facts.components,
+        });
+    };
+    match (genus, facts.boundary_loops) {
+        (0, 0) => sphere(mesh, origins),
+        (0, 1) => disk(mesh, origins),
+        (0, _) => bounded(mesh, origins),
+        (_, 0) => closed(mesh, origins, choice),
+        (_, loops) => Err(ConformalError::HandlesAndBoundary { genus, loops }),
+    }
+}
+
+fn closed(
+    mesh: &TriangleMesh,
+    origins: Vec<u32>,
+    choice: &FormChoice,
+) -> Result<SurfaceAtlas, ConformalError> {
+    let found = Atlas::closed(mesh, choice)?;
+    let triangulation = found.basis.triangulation();
+    let form = found.basis.form([&found.form.real, &found.form.imaginary]);
+    let distortion = measure_flat(&triangulation.lengths, &form);
+    let mut atlas = finish(found.atlas, origins, found.basis.genus() as u32, distortion);
+    atlas.report.co_closedness = Some(found.basis.co_closedness);
+    atlas.report.conjugation_defect = Some(found.basis.conjugation_defect);
+    atlas.report.log_variance = Some(found.form.log_variance);
+    atlas.structure = Structure::Closed {
+        basis: Box::new(found.basis),
+        form: found.form,
+    };
+    Ok(atlas)
+}
+
+fn disk(mesh: &TriangleMesh, origins: Vec<u32>) -> Result<SurfaceAtlas, ConformalError> {
+    let map = flatten_disk(mesh)?;
+    let form = planar_edges(&map.triangulation.faces, &map.points);
+    let atlas = Atlas::on_triangulation(mesh, &map.triangulation, form, None)?;
+    Ok(finish(atlas, origins, 0, map.distortion))
+}
+
+fn bounded(mesh: &TriangleMesh, mut origins: Vec<u32>) -> Result<SurfaceAtlas, ConformalError> {
+    // The function is constant on a face whose corners lie on one loop: such faces get a vertex.
+    let topology = mesh.topology();
+    let centre = [1.0 / 3.0; 3];
+    let flat = (0..mesh.face_count() as u32).filter(|&f| {
+        mesh.faces()[f as usize]
+            .iter()
+            .all(|&v| topology.is_boundary_vertex(v))
+    });
+    let points: Vec<SurfacePoint> = flat.map(|face| SurfacePoint { face, at: centre }).collect();
+    let split = split_at(mesh, &points)?.mesh;
+    let loops = split.topology().boundary_loops();
+    let length = |half_edges: &Vec<u32>| -> f64 {
+        let ends = half_edges
+            .iter()
+            .map(|&h| [split.topology().origin(h), split.topology().target(h)]);
+        let at = |v: u32| split.positions()[v as usize];
+        ends.map(|[a, b]| (at(b) - at(a)).norm()).sum()
+    };
+    let lengths: Vec<f64> = loops.iter().map(length).collect();
+    let longest =
+        (0..loops.len()).max_by(|&a, &b| lengths[a].total_cmp(&lengths[b]).then(b.cmp(&a)));
+    let levels: Vec<f64> = (0..loops.len())
+        .map(|k| if Some(k) == longest { 0.0 } else { 1.0 })
+        .collect();
+    let found = bounded_form(&split, &levels, FlipRule::Simplicial)?;
+    let mut atlas = Atlas::on_triangulation(&split, &found.triangulation, found.form, None)?;
+    atlas.set_input_vertices(mesh.vertex_count());
+    origins.truncate(mesh.vertex_count());
+    let mut atlas = finish(atlas, origins, 0, found.distortion);
+    atlas.structure = Structure::Bounded { levels };
+    Ok(atlas)
+}
+
+/// The stereographic image from the vertex where the surface is flattest.
+fn sphere(mesh: &TriangleMesh, origins: Vec<u32>) -> Result<SurfaceAtlas, ConformalError> {
+    let map = spherical_map(mesh, FlipRule::Simplicial)?;
+    let pole = flattest_vertex(mesh);
+    let points = map.stereographic(map.points[pole as usize]);
+    let mut form = planar_edges(&map.triangulation.faces, &points);
+    for (h, vector) in form.iter_mut().enumerate() {
+        let corners = map.triangulation.faces[h / 3];
+        if corners[h % 3] == pole || corners[(h + 1) % 3] == pole {
+            *vector = [0.0; 2];
+        }
+    }
+    let atlas = Atlas::on_triangulation(mesh, &map.triangulation, form, Some(pole))?;
+    let mut atlas = finish(atlas, origins, 0, map.distortion);
+    atlas.structure = Structure::Sphere { pole };
+    Ok(atlas)
+}
+
+/// The vertex whose faces have the least spread of normals.
+fn flattest_vertex(mesh: &TriangleMesh) -> u32 {
+    let spread = |v: u32| {
+        let faces = mesh.topology().outgoing(v).map(|h| mesh.face_normal(h / 3));
+        let (mut sum, mut lengths) = (nalgebra::Vector3::zeros(), 0.0);
+        for normal in faces {
+            sum += normal;
+            lengths += normal.norm();
+        }
+        1.0 - sum.norm() / lengths
+    };
+    let spreads = (0..mesh.vertex_count() as u32).map(|v| (v, spread(v)));
+    spreads
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map_or(0, |found| found.0)
+}
+
+fn finish(atlas: Atlas, origins: Vec<u32>, genus: u32, distortion: Distortion) -> SurfaceAtlas {
+    let added = atlas.mesh().vertex_count() - origins.len();
+    let orders = atlas.zeros().iter().map(|zero| zero.order.max(0) as u32);
+    let report = AtlasReport {
+        genus,
+        zeros: orders.sum(),
+        flips: atlas.folded_faces(),
+        added_vertices: added,
+        rounds: atlas.refinements(),
+        distortion,
+        closedness: atlas.closedness(),
+        co_closedness: None,
+        conjugation_defect: None,
+        log_variance: None,
+    };
+    let known = origins.into_iter().map(Some);
+    SurfaceAtlas {
+        origins: known.chain(std::iter::repeat_n(None, added)).collect(),
+        atlas,
+        structure: Structure::Disk,
+        report,
+    }
+}
