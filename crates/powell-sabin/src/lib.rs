@@ -1,1 +1,17 @@
 //! Powell-Sabin splines over planar triangulations and over surfaces of any genus.
+#![allow(unused, reason = "being written")]
+pub mod domain;
+pub mod element;
+pub mod energy;
+mod error;
+mod normals;
+mod spline;
+#[cfg(test)]
+mod tests;
+mod triangles;
+mod vector;
+pub use domain::{DomainError, FlatDomain};
+pub use error::{EditError, FitError, NormalError, SplineError};
+pub use normals::estimate_normals;
+pub use spline::{Basis, PowellSabinSpline, Tessellation};
+pub use triangles::{PowellSabinTriangle, powell_sabin_triangles};
