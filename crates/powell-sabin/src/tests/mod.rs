@@ -3,6 +3,7 @@
 mod basis;
 mod domains;
 mod evaluation;
+mod fitting;
 mod planar;
 
 use msplines_common::Point3;
