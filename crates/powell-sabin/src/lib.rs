@@ -1,5 +1,6 @@
 //! Powell-Sabin splines over planar triangulations and over surfaces of any genus.
 pub mod domain;
+mod edit;
 pub mod element;
 pub mod energy;
 mod error;
@@ -12,6 +13,7 @@ mod tests;
 mod triangles;
 mod vector;
 pub use domain::{DomainError, FlatDomain};
+pub use edit::{NewVertex, Target};
 pub use error::{EditError, FitError, NormalError, SplineError};
 pub use fit::{Fit, Report, VertexData, Warning, fit};
 pub use normals::estimate_normals;

@@ -4,8 +4,10 @@
 //! are opposite, those around a face sum to zero. Nothing here needs the domain to lie in the plane
 //! as a whole; a torus does not.
 
+mod delaunay;
 mod error;
 mod planar;
+mod refine;
 mod split;
 
 use msplines_common::Point3;

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 pub use data::VertexData;
-pub(crate) use data::unit;
+pub(crate) use data::{tangents, unit};
 
 use crate::domain::FlatDomain;
 use crate::error::FitError;

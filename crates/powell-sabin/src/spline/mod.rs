@@ -6,6 +6,7 @@ mod evaluate;
 mod tessellate;
 
 pub use basis::Basis;
+pub(crate) use evaluate::unit_normal;
 pub use tessellate::Tessellation;
 
 use msplines_common::{Point3, Vector3};

@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Positions and exact normals of the torus.
-fn torus_data(angles: &[[f64; 2]]) -> Vec<VertexData> {
+pub(crate) fn torus_data(angles: &[[f64; 2]]) -> Vec<VertexData> {
     let datum = |&at: &[f64; 2]| {
         let [position, u, v] = torus_point(at);
         VertexData::Interpolate {

@@ -2,6 +2,7 @@
 
 mod basis;
 mod domains;
+mod editing;
 mod evaluation;
 mod fitting;
 mod planar;
