@@ -85,7 +85,7 @@ impl MacroTriangle {
     }
 
     /// Returns the vector from corner `i` to the incentre.
-    pub(crate) fn to_centre(&self, i: usize) -> [f64; 2] {
+    pub(crate) fn centre_from(&self, i: usize) -> [f64; 2] {
         let (next, last) = ((i + 1) % 3, (i + 2) % 3);
         sub(
             scale(self.incentre[next], self.edges[i]),
@@ -94,8 +94,8 @@ impl MacroTriangle {
     }
 
     /// Returns the vector from the point of the split on side `i` to the incentre.
-    fn split_to_centre(&self, i: usize) -> [f64; 2] {
-        sub(self.to_centre(i), scale(self.splits[i], self.edges[i]))
+    fn centre_from_split(&self, i: usize) -> [f64; 2] {
+        sub(self.centre_from(i), scale(self.splits[i], self.edges[i]))
     }
 
     /// Returns the area of the triangle of side `i` and the incentre.
@@ -119,13 +119,13 @@ impl MacroTriangle {
     pub(crate) fn micro_gradients(&self, micro: usize) -> [[f64; 2]; 3] {
         let i = micro / 2;
         let double = 2.0 * self.micro_area(micro);
-        let from_split = self.split_to_centre(i);
+        let from_split = self.centre_from_split(i);
         let centre = scale(0.5 / self.side_area(i), turn(self.edges[i]));
         if micro.is_multiple_of(2) {
-            let split = scale(-1.0 / double, turn(self.to_centre(i)));
+            let split = scale(-1.0 / double, turn(self.centre_from(i)));
             [scale(1.0 / double, turn(from_split)), split, centre]
         } else {
-            let split = scale(1.0 / double, turn(self.to_centre((i + 1) % 3)));
+            let split = scale(1.0 / double, turn(self.centre_from((i + 1) % 3)));
             [split, scale(-1.0 / double, turn(from_split)), centre]
         }
     }
@@ -195,7 +195,7 @@ impl MacroTriangle {
             out[CORNER + i] = corners[3 * i];
             out[TAIL + i] = corners[3 * i] + 0.5 * share * dot(gradient(i), edge);
             out[HEAD + i] = corners[3 * next] - 0.5 * (1.0 - share) * dot(gradient(next), edge);
-            out[CORNER_CENTRE + i] = corners[3 * i] + 0.5 * dot(gradient(i), self.to_centre(i));
+            out[CORNER_CENTRE + i] = corners[3 * i] + 0.5 * dot(gradient(i), self.centre_from(i));
         }
         for i in 0..3 {
             let share = self.splits[i];
@@ -225,10 +225,10 @@ impl MacroTriangle {
             let bend =
                 2.0 * (corners[3 * next] - corners[3 * i]) - dot(add(tail, head), self.edges[i]);
             let mean = add(scale(1.0 - share, tail), scale(share, head));
-            let across = turn(self.split_to_centre(i));
+            let across = turn(self.centre_from_split(i));
             out[3 + i] = sub(mean, scale(0.5 * bend / self.side_area(i), across));
             // Relative to corner 0, so that equal large values cancel without a trace.
-            planes[i] = 2.0 * (corners[3 * i] - corners[0]) + dot(tail, self.to_centre(i));
+            planes[i] = 2.0 * (corners[3 * i] - corners[0]) + dot(tail, self.centre_from(i));
         }
         for (i, plane) in planes.into_iter().enumerate() {
             let opposite = self.edges[(i + 1) % 3];

@@ -18,22 +18,16 @@ fn unit_gradients(triangle: &MacroTriangle) -> [[[f64; 2]; 7]; 9] {
 
 /// Adds `weight` times the products of the entries of `row` to the lower triangle.
 fn add_square(matrix: &mut ElementMatrix, weight: f64, row: &[f64; 9]) {
-    for i in 0..9 {
+    for (i, entries) in matrix.iter_mut().enumerate() {
         let factor = weight * row[i];
-        for j in 0..=i {
-            matrix[i][j] += factor * row[j];
+        for (entry, value) in entries[..=i].iter_mut().zip(row) {
+            *entry += factor * value;
         }
     }
 }
 
-fn mirrored(mut matrix: ElementMatrix) -> ElementMatrix {
-    for i in 0..9 {
-        let lower = matrix[i];
-        for (j, &value) in lower.iter().enumerate().take(i) {
-            matrix[j][i] = value;
-        }
-    }
-    matrix
+fn mirrored(lower: &ElementMatrix) -> ElementMatrix {
+    std::array::from_fn(|i| std::array::from_fn(|j| lower[i.max(j)][i.min(j)]))
 }
 
 /// Returns the matrix of the integral of `s_u² + s_v²` over a macro triangle; it does not depend on the
@@ -43,7 +37,7 @@ fn mirrored(mut matrix: ElementMatrix) -> ElementMatrix {
 /// `area / 12 (|a|² + |b|² + |c|² + |a + b + c|²)`.
 ///
 /// # Reference
-/// [He2005] Eq. (9), first term.
+/// [He2005] Eq. (9).
 #[must_use]
 pub fn membrane(triangle: &MacroTriangle) -> ElementMatrix {
     let unit = unit_gradients(triangle);
@@ -63,14 +57,14 @@ pub fn membrane(triangle: &MacroTriangle) -> ElementMatrix {
             add_square(&mut matrix, weight, &sum);
         }
     }
-    mirrored(matrix)
+    mirrored(&matrix)
 }
 
 /// Returns the matrix of the integral of `s_uu² + 2 s_uv² + s_vv²` over a macro triangle, in one over the
 /// square of the unit of length of the domain.
 ///
 /// # Reference
-/// [He2005] Eq. (9), second term.
+/// [He2005] Eq. (9).
 #[must_use]
 pub fn thin_plate(triangle: &MacroTriangle) -> ElementMatrix {
     let unit = unit_gradients(triangle);
@@ -82,7 +76,7 @@ pub fn thin_plate(triangle: &MacroTriangle) -> ElementMatrix {
             add_square(&mut matrix, weight, &hessians.map(|h| h[entry]));
         }
     }
-    mirrored(matrix)
+    mirrored(&matrix)
 }
 
 /// Returns the energy of nine numbers.

@@ -40,7 +40,7 @@ impl PowellSabinSpline {
     /// single quadratic there.
     ///
     /// # Reference
-    /// [He2005] §3.4 (5), Figure 6.
+    /// [He2005] §3.4, Figure 6.
     ///
     /// # Errors
     /// A place that is no inner point of a face or edge, an offset that is not finite, or a normal that
@@ -64,7 +64,7 @@ impl PowellSabinSpline {
     /// Gradients are those of the old surface, turned; see [`Self::faired`] for the next step.
     ///
     /// # Reference
-    /// [He2005] §3.4 (5).
+    /// [He2005] §3.4.
     ///
     /// # Errors
     /// No such face, one that is named twice, or a target that is no place or direction.

@@ -15,7 +15,7 @@ use nalgebra::{Rotation3, Unit};
 pub use insert::{NewVertex, Target};
 
 use crate::error::EditError;
-use crate::fit::{Fit, VertexData, fit, tangents, unit};
+use crate::fit::{Fit, VertexCondition, fit, tangents, unit};
 use crate::options::Options;
 use crate::spline::{PowellSabinSpline, unit_normal};
 
@@ -66,8 +66,8 @@ impl PowellSabinSpline {
     pub fn faired(&self, vertices: &[u32], options: &Options) -> Result<Fit, EditError> {
         let count = self.flat_domain().mesh().vertex_count() as u32;
         self.check_surface()?;
-        let mut data: Vec<VertexData> = (0..count)
-            .map(|vertex| VertexData::Fixed {
+        let mut data: Vec<VertexCondition> = (0..count)
+            .map(|vertex| VertexCondition::Fixed {
                 position: self.vertex_position(vertex),
                 gradient: self.vertex_gradient(vertex),
             })
@@ -76,7 +76,7 @@ impl PowellSabinSpline {
             self.check_vertex(vertex)?;
             let normal = tangent_normal(self.vertex_gradient(vertex))
                 .ok_or(EditError::NoTangentPlane { vertex })?;
-            data[vertex as usize] = VertexData::Interpolate {
+            data[vertex as usize] = VertexCondition::Interpolate {
                 position: self.vertex_position(vertex),
                 normal,
             };

@@ -11,7 +11,7 @@ const LARGEST: f64 = 1e140;
 
 /// What the surface does at one vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum VertexData {
+pub enum VertexCondition {
     /// It has this position and normal; four numbers are free.
     Interpolate {
         /// The position.
@@ -35,7 +35,7 @@ pub enum VertexData {
     Free,
 }
 
-impl VertexData {
+impl VertexCondition {
     /// Returns the data of a surface through all vertices of a mesh with these normals.
     ///
     /// # Panics
@@ -90,7 +90,7 @@ pub(crate) fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     [first, normal.cross(&first)]
 }
 
-pub(super) fn check(domain: &FlatDomain, data: &[VertexData]) -> Result<(), FitError> {
+pub(super) fn check(domain: &FlatDomain, data: &[VertexCondition]) -> Result<(), FitError> {
     let vertices = domain.mesh().vertex_count();
     if data.len() != vertices {
         return Err(FitError::DataCount {
@@ -128,7 +128,7 @@ pub(super) struct Unknowns {
 }
 
 impl Unknowns {
-    pub(super) fn new(domain: &FlatDomain, data: &[VertexData]) -> Self {
+    pub(super) fn new(domain: &FlatDomain, data: &[VertexCondition]) -> Self {
         let mut unknowns = Self {
             starts: vec![0],
             columns: Vec::new(),
@@ -140,7 +140,7 @@ impl Unknowns {
             let position = domain.mesh().positions()[vertex];
             let position = datum.position().unwrap_or(position).into();
             let gradient = match datum {
-                VertexData::Fixed { gradient, .. } => gradient.map(Into::into),
+                VertexCondition::Fixed { gradient, .. } => gradient.map(Into::into),
                 _ => [[0.0; 3]; 2],
             };
             unknowns.add_columns(datum, length);
@@ -152,7 +152,7 @@ impl Unknowns {
     }
 
     /// Adds what is free at a vertex: along `t` in direction `p` for tangents, else by component.
-    fn add_columns(&mut self, datum: &VertexData, length: f64) {
+    fn add_columns(&mut self, datum: &VertexCondition, length: f64) {
         let mut push = |kind: usize, vector: Vector3<f64>| {
             let mut column = [[0.0; 3]; 3];
             let scale = if kind == 0 { 1.0 } else { 1.0 / length };
@@ -160,16 +160,16 @@ impl Unknowns {
             self.columns.push(column);
         };
         let kinds = match datum {
-            VertexData::Interpolate { normal, .. } => {
+            VertexCondition::Interpolate { normal, .. } => {
                 let normal = unit(normal).unwrap_or_default();
                 for tangent in tangents(&normal) {
                     (1..3).for_each(|kind| push(kind, tangent));
                 }
                 0..0
             }
-            VertexData::Position { .. } => 1..3,
-            VertexData::Fixed { .. } => 0..0,
-            VertexData::Free => 0..3,
+            VertexCondition::Position { .. } => 1..3,
+            VertexCondition::Fixed { .. } => 0..0,
+            VertexCondition::Free => 0..3,
         };
         for kind in kinds {
             (0..3).for_each(|component| push(kind, Vector3::ith(component, 1.0)));

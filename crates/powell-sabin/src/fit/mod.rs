@@ -9,7 +9,7 @@ use msplines_common::progress::{Observer, Outcome, Progress};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-pub use data::VertexData;
+pub use data::VertexCondition;
 pub(crate) use data::{tangents, unit};
 
 use crate::domain::FlatDomain;
@@ -99,7 +99,7 @@ pub enum Warning {
 /// Data or weights that are no task, or a system that is singular to rounding.
 pub fn fit(
     domain: &FlatDomain,
-    data: &[VertexData],
+    data: &[VertexCondition],
     options: &Options,
     observer: &mut Observer<'_>,
 ) -> Result<Fit, FitError> {
@@ -134,7 +134,13 @@ pub fn fit(
 }
 
 impl Report {
-    fn finish(&mut self, domain: &FlatDomain, data: &[VertexData], unknowns: &Unknowns, x: &[f64]) {
+    fn finish(
+        &mut self,
+        domain: &FlatDomain,
+        data: &[VertexCondition],
+        unknowns: &Unknowns,
+        x: &[f64],
+    ) {
         let left = violations(data, unknowns, x);
         self.violations_after = left.len();
         if !left.is_empty() {

@@ -9,7 +9,7 @@ use msplines_common::Vector3;
 use msplines_common::linalg::{Cholesky, Mat, Ordering, Symbolic, SymmetricMatrix};
 use msplines_common::mesh::{NONE, Topology};
 
-use super::data::{Unknowns, VertexData, tangents, unit};
+use super::data::{Unknowns, VertexCondition, tangents, unit};
 use super::system::System;
 use crate::domain::FlatDomain;
 use crate::error::FitError;
@@ -34,15 +34,19 @@ fn determinant(x: &[f64]) -> f64 {
 }
 
 /// Returns the vertices with a given normal where `det X <= 0`.
-pub(super) fn violations(data: &[VertexData], unknowns: &Unknowns, x: &[f64]) -> Vec<u32> {
-    let given = |v: u32| matches!(data[v as usize], VertexData::Interpolate { .. });
+pub(super) fn violations(data: &[VertexCondition], unknowns: &Unknowns, x: &[f64]) -> Vec<u32> {
+    let given = |v: u32| matches!(data[v as usize], VertexCondition::Interpolate { .. });
     (0..data.len() as u32)
         .filter(|&v| given(v) && determinant(&x[unknowns.range(v)]) <= 0.0)
         .collect()
 }
 
 /// Returns the vertices whose normal points against every facet around.
-pub(super) fn opposed(domain: &FlatDomain, data: &[VertexData], unknowns: &Unknowns) -> Vec<u32> {
+pub(super) fn opposed(
+    domain: &FlatDomain,
+    data: &[VertexCondition],
+    unknowns: &Unknowns,
+) -> Vec<u32> {
     let topology = domain.topology();
     let position = |v: u32| Vector3::from(unknowns.base[v as usize][0]);
     let against = |vertex: u32, normal: &Vector3<f64>| {
@@ -53,7 +57,7 @@ pub(super) fn opposed(domain: &FlatDomain, data: &[VertexData], unknowns: &Unkno
     };
     (0..data.len() as u32)
         .filter(|&v| match &data[v as usize] {
-            VertexData::Interpolate { normal, .. } => against(v, normal),
+            VertexCondition::Interpolate { normal, .. } => against(v, normal),
             _ => false,
         })
         .collect()
@@ -63,7 +67,7 @@ pub(super) fn opposed(domain: &FlatDomain, data: &[VertexData], unknowns: &Unkno
 /// surroundings again. Returns the number of rounds.
 pub(super) fn repair(
     domain: &FlatDomain,
-    data: &[VertexData],
+    data: &[VertexCondition],
     unknowns: &Unknowns,
     system: &System,
     x: &mut [f64],
@@ -76,7 +80,7 @@ pub(super) fn repair(
             return Ok(round);
         }
         for vertex in offending {
-            if let VertexData::Interpolate { normal, .. } = &data[vertex as usize] {
+            if let VertexCondition::Interpolate { normal, .. } = &data[vertex as usize] {
                 let (weight, _) = anchors[vertex as usize].get_or_insert_with(|| {
                     touched.push(vertex);
                     (WEIGHT / GROWTH, target(domain, unknowns, vertex, normal, x))

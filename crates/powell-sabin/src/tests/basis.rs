@@ -134,7 +134,36 @@ fn thin_domains_keep_their_bases_non_negative() {
                 assert!(triangle.barycentric(point).iter().all(|&b| b >= 0.0));
             }
         }
+        for face in 0..domain.mesh().face_count() as u32 {
+            let mut ordinates = basis.ordinates(face).into_iter().flatten();
+            assert!(ordinates.all(|b| b >= 0.0), "face {face}");
+        }
     }
+}
+
+#[test]
+fn a_vertex_of_a_thousand_edges_has_a_small_triangle() {
+    let count = 1000;
+    let ray = |k: u32| {
+        let angle = f64::from(k) * std::f64::consts::TAU / f64::from(count);
+        [angle.cos(), angle.sin()]
+    };
+    let mut points = vec![[0.0, 0.0]];
+    points.extend((0..count).map(ray));
+    let faces = (1..=count).map(|k| [0, k, k % count + 1]).collect();
+    let domain = FlatDomain::planar_with_faces(&points, faces).expect("a disk");
+    let triangle = Basis::new(&domain).triangles()[0];
+    // Around the disk of radius one half the smallest has 3 √3 / 4; incentres are near the rim.
+    assert!(
+        triangle.area() < 1.05 * 0.75 * 3.0_f64.sqrt(),
+        "{}",
+        triangle.area()
+    );
+    assert!(
+        triangle.area() > 0.7 * 0.75 * 3.0_f64.sqrt(),
+        "{}",
+        triangle.area()
+    );
 }
 
 /// Integrates by the rule of degree 2 on every micro triangle, from evaluations alone.

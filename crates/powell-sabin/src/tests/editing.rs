@@ -6,9 +6,11 @@ use msplines_common::{Point3, Vector3};
 
 use super::fitting::{check_interpolation, fitted, torus_data};
 use super::{Random, TORUS, interpolant, jet, jittered_grid, points, torus};
-use crate::{EditError, FlatDomain, NewVertex, Options, PowellSabinSpline, Target, VertexData};
+use crate::{
+    EditError, FlatDomain, NewVertex, Options, PowellSabinSpline, Target, VertexCondition,
+};
 
-fn surface() -> (PowellSabinSpline, Vec<VertexData>) {
+fn surface() -> (PowellSabinSpline, Vec<VertexCondition>) {
     let (domain, angles) = torus(8, 0.2);
     let data = torus_data(&angles);
     (fitted(&domain, &data, &Options::default()).spline, data)
@@ -38,7 +40,7 @@ fn another_normal_changes_the_faces_around_alone() {
     let vertex = 40;
     let turned = Vector3::new(0.2, -0.3, 0.9);
     let other = spline.with_normal(vertex, turned).expect("an edit");
-    if let VertexData::Interpolate { normal, .. } = &mut data[vertex as usize] {
+    if let VertexCondition::Interpolate { normal, .. } = &mut data[vertex as usize] {
         *normal = turned;
     }
     check_interpolation(&other, &data);
@@ -88,7 +90,7 @@ fn a_new_vertex_is_passed_through() {
         };
         let other = spline.with_vertex(&new).expect("an edit");
         let position = Point3::from_slice(&before) + offset;
-        data.push(VertexData::Interpolate { position, normal });
+        data.push(VertexCondition::Interpolate { position, normal });
         check_interpolation(&other, &data);
         let vertex = data.len() as u32 - 1;
         let faired = other
@@ -177,10 +179,7 @@ fn nearest(p: &Point3<f64>) -> (Point3<f64>, Vector3<f64>) {
 fn refinement_where_it_is_worst_lowers_the_error() {
     let (mut spline, data) = surface();
     let worst = |s: &PowellSabinSpline| {
-        let faces = s.worst_faces(1, &mut |p| nearest(p).0).expect("a surface");
-        let at = s.flat_domain().macro_triangle(faces[0]).incentre();
         let samples = s.evaluate_flat(&points(s.flat_domain(), 10, 1), Order::Value);
-        let _ = at;
         samples
             .expect("points")
             .values
@@ -213,7 +212,6 @@ fn refinement_where_it_is_worst_lowers_the_error() {
     }
     check_interpolation(&spline, &data);
     let after = worst(&spline);
-    println!("{before} -> {after}");
     assert!(after < 0.5 * before, "{before} {after}");
     assert_eq!(spline.flat_domain().topology().euler_characteristic(), 0);
 }

@@ -7,15 +7,15 @@ use msplines_common::{Point3, Vector3};
 
 use super::{Random, TORUS, jittered_grid, points, torus, torus_point};
 use crate::{
-    Fairness, Fit, FitError, FlatDomain, Options, Orientation, PowellSabinSpline, VertexData,
+    Fairness, Fit, FitError, FlatDomain, Options, Orientation, PowellSabinSpline, VertexCondition,
     Warning, estimate_normals, fit,
 };
 
 /// Positions and exact normals of the torus.
-pub(crate) fn torus_data(angles: &[[f64; 2]]) -> Vec<VertexData> {
+pub(crate) fn torus_data(angles: &[[f64; 2]]) -> Vec<VertexCondition> {
     let datum = |&at: &[f64; 2]| {
         let [position, u, v] = torus_point(at);
-        VertexData::Interpolate {
+        VertexCondition::Interpolate {
             position: Point3::from(position),
             normal: Vector3::from(u).cross(&Vector3::from(v)),
         }
@@ -23,7 +23,7 @@ pub(crate) fn torus_data(angles: &[[f64; 2]]) -> Vec<VertexData> {
     angles.iter().map(datum).collect()
 }
 
-pub(crate) fn fitted(domain: &FlatDomain, data: &[VertexData], options: &Options) -> Fit {
+pub(crate) fn fitted(domain: &FlatDomain, data: &[VertexCondition], options: &Options) -> Fit {
     fit(domain, data, options, &mut unobserved()).expect("a fit")
 }
 
@@ -35,7 +35,7 @@ fn at_vertex(domain: &FlatDomain, vertex: u32) -> SurfacePoint {
     SurfacePoint { face: h / 3, at }
 }
 
-pub(crate) fn check_interpolation(spline: &PowellSabinSpline, data: &[VertexData]) {
+pub(crate) fn check_interpolation(spline: &PowellSabinSpline, data: &[VertexCondition]) {
     let domain = spline.flat_domain();
     let places: Vec<SurfacePoint> = (0..data.len() as u32)
         .map(|v| at_vertex(domain, v))
@@ -46,7 +46,7 @@ pub(crate) fn check_interpolation(spline: &PowellSabinSpline, data: &[VertexData
         .values;
     let normals = spline.normals(&places).expect("vertices");
     for (vertex, datum) in data.iter().enumerate() {
-        if let VertexData::Interpolate { position, normal } = datum {
+        if let VertexCondition::Interpolate { position, normal } = datum {
             let found = Point3::from_slice(&values[3 * vertex..][..3]);
             assert!((found - position).norm() < 1e-14, "vertex {vertex}");
             assert!(
@@ -126,7 +126,6 @@ fn fitted_tori_converge() {
             })
             .collect();
         let rates = [0, 1].map(|k| (errors[1][k] / errors[2][k]).log2());
-        println!("{options:?}: {errors:?} {rates:?}");
         assert!(
             rates[0] > 2.5 && rates[1] > 1.5,
             "{options:?}: {errors:?} {rates:?}"
@@ -138,9 +137,9 @@ fn fitted_tori_converge() {
 fn nothing_admissible_has_less_energy() {
     let (domain, angles) = torus(6, 0.2);
     let mut data = torus_data(&angles);
-    data[7] = VertexData::Free;
-    if let VertexData::Interpolate { position, .. } = data[20] {
-        data[20] = VertexData::Position { position };
+    data[7] = VertexCondition::Free;
+    if let VertexCondition::Interpolate { position, .. } = data[20] {
+        data[20] = VertexCondition::Position { position };
     }
     let mut random = Random::new(2);
     for options in ENERGIES {
@@ -155,12 +154,12 @@ fn nothing_admissible_has_less_energy() {
             );
             for (kind, mut change) in [draw(), draw(), draw()].into_iter().enumerate() {
                 match data[vertex] {
-                    VertexData::Interpolate { normal, .. } => {
+                    VertexCondition::Interpolate { normal, .. } => {
                         let n = normal.normalize();
                         change -= n * n.dot(&change);
                         change *= f64::from(kind > 0);
                     }
-                    VertexData::Position { .. } => change *= f64::from(kind > 0),
+                    VertexCondition::Position { .. } => change *= f64::from(kind > 0),
                     _ => {}
                 }
                 let target = match kind {
@@ -185,16 +184,16 @@ fn an_affine_map_has_no_plate_energy() {
     let options = ENERGIES[2];
     let place = |p: &Point3<f64>| Point3::new(p.x + 2.0 * p.y, 3.0 - p.y, 0.5 * p.x);
     let given = |v: usize| v.is_multiple_of(3) || v < 7;
-    let data: Vec<VertexData> = domain
+    let data: Vec<VertexCondition> = domain
         .mesh()
         .positions()
         .iter()
         .enumerate()
         .map(|(v, p)| {
             if given(v) {
-                VertexData::Position { position: place(p) }
+                VertexCondition::Position { position: place(p) }
             } else {
-                VertexData::Free
+                VertexCondition::Free
             }
         })
         .collect();
@@ -216,7 +215,7 @@ fn fixed_vertices_stay_to_the_last_bit() {
     let gradient = [Vector3::new(0.3, 0.1, 0.2), Vector3::new(-0.2, 0.5, 0.1)];
     for vertex in [3, 4, 10] {
         let position = Point3::from(torus_point(angles[vertex])[0]);
-        data[vertex] = VertexData::Fixed { position, gradient };
+        data[vertex] = VertexCondition::Fixed { position, gradient };
     }
     let fit = fitted(&domain, &data, &Options::default());
     assert_eq!(fit.report.unknowns, 4 * (data.len() - 3));
@@ -227,9 +226,9 @@ fn fixed_vertices_stay_to_the_last_bit() {
             [gradient[0].as_slice(), gradient[1].as_slice()].concat()
         );
     }
-    let all: Vec<VertexData> = angles
+    let all: Vec<VertexCondition> = angles
         .iter()
-        .map(|&at| VertexData::Fixed {
+        .map(|&at| VertexCondition::Fixed {
             position: Point3::from(torus_point(at)[0]),
             gradient,
         })
@@ -245,7 +244,7 @@ fn opposed_normals_are_named_and_orientations_repaired() {
     let (domain, angles) = torus(8, 0.2);
     let mut data = torus_data(&angles);
     for vertex in [0, 37, 38, 39, 100] {
-        if let VertexData::Interpolate { normal, .. } = &mut data[vertex] {
+        if let VertexCondition::Interpolate { normal, .. } = &mut data[vertex] {
             *normal *= -1.0;
         }
     }
@@ -270,13 +269,35 @@ fn opposed_normals_are_named_and_orientations_repaired() {
     let opposed = Warning::OpposedNormals {
         vertices: vec![0, 37, 38, 39, 100],
     };
-    assert_eq!(report.warnings, [opposed.clone()]);
+    assert_eq!(report.warnings, std::slice::from_ref(&opposed));
     assert!(
         opposed
             .to_string()
             .contains("vertices [0, 37, 38, 39, 100]")
     );
     assert_eq!(report.outcome, Outcome::Converged);
+    check_interpolation(&fit.spline, &data);
+}
+
+#[test]
+fn orientations_are_repaired_on_thin_faces_with_noisy_normals() {
+    let mut random = Random::new(4);
+    let plane: Vec<[f64; 2]> = (0..400).map(|_| [random.next(), random.next()]).collect();
+    let domain = FlatDomain::planar(&plane).expect("a domain");
+    let data: Vec<VertexCondition> = plane
+        .iter()
+        .map(|&[x, y]| VertexCondition::Interpolate {
+            position: Point3::new(x, y, 0.1 * (4.0 * x).sin() * (3.0 * y).cos()),
+            normal: Vector3::z() + Vector3::from_fn(|_, _| 1.2 * random.next() - 0.6),
+        })
+        .collect();
+    let fit = fitted(&domain, &data, &Options::default());
+    let report = &fit.report;
+    assert!(report.violations_before > 0, "{report:?}");
+    assert_eq!(
+        (report.violations_after, report.outcome),
+        (0, Outcome::Converged)
+    );
     check_interpolation(&fit.spline, &data);
 }
 
@@ -292,10 +313,10 @@ fn units_and_places_do_not_change_the_surface() {
         .map(|e| e.map(|c| 1e3 * c))
         .collect();
     let scaled = FlatDomain::build(domain.mesh().clone(), vectors).expect("a domain");
-    let moved: Vec<VertexData> = data
+    let moved: Vec<VertexCondition> = data
         .iter()
         .map(|datum| match *datum {
-            VertexData::Interpolate { position, normal } => VertexData::Interpolate {
+            VertexCondition::Interpolate { position, normal } => VertexCondition::Interpolate {
                 position: Point3::from(1e-2 * position.coords.add_scalar(10.0)),
                 normal: 7.0 * normal,
             },
@@ -318,7 +339,7 @@ fn units_and_places_do_not_change_the_surface() {
 fn bits_do_not_depend_on_threads() {
     let (domain, angles) = torus(24, 0.2);
     let mut data = torus_data(&angles);
-    if let VertexData::Interpolate { normal, .. } = &mut data[50] {
+    if let VertexCondition::Interpolate { normal, .. } = &mut data[50] {
         *normal *= -1.0;
     }
     let run = |threads: usize| {
@@ -337,7 +358,7 @@ fn bits_do_not_depend_on_threads() {
 fn tasks_that_are_none_are_refused() {
     let (domain, angles) = torus(4, 0.0);
     let data = torus_data(&angles);
-    let run = |data: &[VertexData], options: &Options| {
+    let run = |data: &[VertexCondition], options: &Options| {
         fit(&domain, data, options, &mut unobserved()).expect_err("no fit")
     };
     let options = Options::default();
@@ -349,14 +370,14 @@ fn tasks_that_are_none_are_refused() {
             vertices: data.len()
         }
     );
-    let bad = |vertex: usize, datum: VertexData| {
+    let bad = |vertex: usize, datum: VertexCondition| {
         let mut data = data.clone();
         data[vertex] = datum;
         run(&data, &options)
     };
     let position = Point3::new(0.0, f64::NAN, 0.0);
     assert_eq!(
-        bad(5, VertexData::Position { position }),
+        bad(5, VertexCondition::Position { position }),
         FitError::NotFinite { vertex: 5 }
     );
     let position = Point3::origin();
@@ -365,11 +386,21 @@ fn tasks_that_are_none_are_refused() {
         Vector3::new(0.0, f64::INFINITY, 0.0),
         Vector3::new(f64::NAN, 1.0, 0.0),
     ] {
-        let found = bad(3, VertexData::Interpolate { position, normal });
+        let found = bad(3, VertexCondition::Interpolate { position, normal });
         assert_eq!(found, FitError::Normal { vertex: 3 });
         assert!(found.to_string().contains("vertex 3"));
     }
-    let free = vec![VertexData::Free; data.len()];
+}
+
+#[test]
+fn energies_that_say_nothing_are_refused() {
+    let (domain, angles) = torus(4, 0.0);
+    let data = torus_data(&angles);
+    let run = |data: &[VertexCondition], options: &Options| {
+        fit(&domain, data, options, &mut unobserved()).expect_err("no fit")
+    };
+    let (options, position) = (Options::default(), Point3::origin());
+    let free = vec![VertexCondition::Free; data.len()];
     assert_eq!(
         run(&free, &options),
         FitError::ComponentWithoutPosition { vertex: 0 }
@@ -392,8 +423,8 @@ fn tasks_that_are_none_are_refused() {
     assert!(matches!(run(&data, &none), FitError::Weights { .. }));
     // One position holds no thin plate in the plane.
     let domain = jittered_grid(3, 0.2, 1);
-    let mut loose = vec![VertexData::Free; 16];
-    loose[4] = VertexData::Position { position };
+    let mut loose = vec![VertexCondition::Free; 16];
+    loose[4] = VertexCondition::Position { position };
     let found = fit(&domain, &loose, &ENERGIES[2], &mut unobserved());
     let singular = match &found {
         Err(FitError::Factor { .. }) => true,
@@ -411,7 +442,7 @@ fn tasks_that_are_none_are_refused() {
 fn a_break_leaves_orientations_alone() {
     let (domain, angles) = torus(6, 0.0);
     let mut data = torus_data(&angles);
-    if let VertexData::Interpolate { normal, .. } = &mut data[9] {
+    if let VertexCondition::Interpolate { normal, .. } = &mut data[9] {
         *normal *= -1.0;
     }
     let mut stop = |_: &msplines_common::progress::Progress| std::ops::ControlFlow::Break(());
@@ -424,7 +455,7 @@ fn a_break_leaves_orientations_alone() {
 fn estimated_normals_will_do() {
     let (domain, _) = torus(16, 0.1);
     let normals = estimate_normals(domain.mesh()).expect("normals");
-    let data = VertexData::of_mesh(domain.mesh(), &normals);
+    let data = VertexCondition::of_mesh(domain.mesh(), &normals);
     let fit = fitted(&domain, &data, &Options::default());
     check_interpolation(&fit.spline, &data);
     // Cells are a tenth of the torus wide, estimated normals a few degrees off.
@@ -433,22 +464,4 @@ fn estimated_normals_will_do() {
         "{:?}",
         torus_errors(&fit.spline)
     );
-}
-
-#[test]
-fn time() {
-    let n: usize = std::env::var("PSN").map_or(20, |s| s.parse().unwrap());
-    let (domain, angles) = torus(n, 0.2);
-    let data = torus_data(&angles);
-    let start = std::time::Instant::now();
-    let fit = fitted(&domain, &data, &Options::default());
-    println!(
-        "{} vertices {:?} {:?}",
-        data.len(),
-        start.elapsed(),
-        fit.report
-    );
-    let start = std::time::Instant::now();
-    let b = crate::Basis::new(&domain);
-    println!("basis {:?} {}", start.elapsed(), b.triangles().len());
 }
