@@ -1,17 +1,23 @@
 //! The affine atlas of a surface, whatever its topology.
 
+use std::collections::BTreeSet;
+
 use msplines_common::mesh::{Facts, SurfacePoint, TriangleMesh, split_at};
-use msplines_common::operators::intrinsic::FlipRule;
+use msplines_common::operators::intrinsic::{FlipRule, IntrinsicTriangulation};
 use serde::{Deserialize, Serialize};
 
-use crate::atlas::Atlas;
+use crate::atlas::{Atlas, Ground, failure};
 use crate::basis::HolomorphicBasis;
 use crate::bounded::{bounded_form, puncture};
 use crate::choice::{FormChoice, HolomorphicForm};
+use crate::closed::split_around;
 use crate::disk::flatten_disk;
 use crate::error::ConformalError;
-use crate::measure::{Distortion, measure_flat, planar_edges};
+use crate::measure::{Distortion, area, planar_edges, stretch};
 use crate::sphere::spherical_map;
+
+/// Rounds in which faces of a surface with boundary are split where the form folds them.
+const BOUNDED_ROUNDS: usize = 6;
 
 /// How a surface is laid out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -132,7 +138,7 @@ fn closed(
     let found = Atlas::closed(mesh, choice)?;
     let triangulation = found.basis.triangulation();
     let form = found.basis.form([&found.form.real, &found.form.imaginary]);
-    let distortion = measure_flat(&triangulation.lengths, &form);
+    let distortion = distortion_outside(&found.atlas, triangulation, &form);
     let mut atlas = finish(found.atlas, origins, found.basis.genus() as u32, distortion);
     atlas.report.co_closedness = Some(found.basis.co_closedness);
     atlas.report.conjugation_defect = Some(found.basis.conjugation_defect);
@@ -152,37 +158,76 @@ fn disk(mesh: &TriangleMesh, origins: Vec<u32>) -> Result<SurfaceAtlas, Conforma
 }
 
 fn bounded(mesh: &TriangleMesh, mut origins: Vec<u32>) -> Result<SurfaceAtlas, ConformalError> {
-    // The function is constant on a face whose corners lie on one loop: such faces get a vertex.
+    let mut refined = mesh.clone();
+    for round in 0..=BOUNDED_ROUNDS {
+        refined = without_flat_faces(&refined)?;
+        let levels = levels(&refined);
+        let found = bounded_form(&refined, &levels, FlipRule::Simplicial)?;
+        let ground = Ground::build(&refined, &found.triangulation);
+        let (flat, findings) = ground.lay_out(found.form.clone(), None);
+        if !findings.is_clean() {
+            let split = split_around(&refined, &flat, &findings).filter(|_| round < BOUNDED_ROUNDS);
+            refined = split.ok_or_else(|| failure(&flat, &findings, round))?.mesh;
+            continue;
+        }
+        let atlas = ground.atlas(flat, findings.zeros, mesh.vertex_count(), round)?;
+        let distortion = distortion_outside(&atlas, &found.triangulation, &found.form);
+        origins.truncate(mesh.vertex_count());
+        let mut atlas = finish(atlas, origins, 0, distortion);
+        atlas.structure = Structure::Bounded { levels };
+        return Ok(atlas);
+    }
+    unreachable!("the last round returns")
+}
+
+/// Gives every face whose corners all lie on the boundary a vertex inside: the function is constant
+/// on faces of one loop.
+fn without_flat_faces(mesh: &TriangleMesh) -> Result<TriangleMesh, ConformalError> {
     let topology = mesh.topology();
     let centre = [1.0 / 3.0; 3];
     let flat = (0..mesh.face_count() as u32).filter(|&f| {
-        mesh.faces()[f as usize]
-            .iter()
-            .all(|&v| topology.is_boundary_vertex(v))
+        let corners = mesh.faces()[f as usize];
+        corners.iter().all(|&v| topology.is_boundary_vertex(v))
     });
     let points: Vec<SurfacePoint> = flat.map(|face| SurfacePoint { face, at: centre }).collect();
-    let split = split_at(mesh, &points)?.mesh;
-    let loops = split.topology().boundary_loops();
+    Ok(split_at(mesh, &points)?.mesh)
+}
+
+/// The longest boundary loop is the source, the others are sinks.
+fn levels(mesh: &TriangleMesh) -> Vec<f64> {
+    let topology = mesh.topology();
     let length = |half_edges: &Vec<u32>| -> f64 {
         let ends = half_edges
             .iter()
-            .map(|&h| [split.topology().origin(h), split.topology().target(h)]);
-        let at = |v: u32| split.positions()[v as usize];
+            .map(|&h| [topology.origin(h), topology.target(h)]);
+        let at = |v: u32| mesh.positions()[v as usize];
         ends.map(|[a, b]| (at(b) - at(a)).norm()).sum()
     };
-    let lengths: Vec<f64> = loops.iter().map(length).collect();
+    let lengths: Vec<f64> = topology.boundary_loops().iter().map(length).collect();
     let longest =
-        (0..loops.len()).max_by(|&a, &b| lengths[a].total_cmp(&lengths[b]).then(b.cmp(&a)));
-    let levels: Vec<f64> = (0..loops.len())
-        .map(|k| if Some(k) == longest { 0.0 } else { 1.0 })
+        (0..lengths.len()).max_by(|&a, &b| lengths[a].total_cmp(&lengths[b]).then(b.cmp(&a)));
+    let level = |k: usize| if Some(k) == longest { 0.0 } else { 1.0 };
+    (0..lengths.len()).map(level).collect()
+}
+
+/// The distortion of a form on its triangulation, away from the zeros of the atlas.
+fn distortion_outside(
+    atlas: &Atlas,
+    triangulation: &IntrinsicTriangulation,
+    form: &[[f64; 2]],
+) -> Distortion {
+    let zeros: BTreeSet<u32> = atlas
+        .zeros()
+        .iter()
+        .flat_map(|z| z.vertices.clone())
         .collect();
-    let found = bounded_form(&split, &levels, FlipRule::Simplicial)?;
-    let mut atlas = Atlas::on_triangulation(&split, &found.triangulation, found.form, None)?;
-    atlas.set_input_vertices(mesh.vertex_count());
-    origins.truncate(mesh.vertex_count());
-    let mut atlas = finish(atlas, origins, 0, found.distortion);
-    atlas.structure = Structure::Bounded { levels };
-    Ok(atlas)
+    let faces = triangulation.faces.iter().zip(&triangulation.lengths);
+    let (stretches, areas): (Vec<_>, Vec<_>) = faces
+        .zip(form.as_chunks::<3>().0)
+        .filter(|((corners, _), _)| !corners.iter().any(|v| zeros.contains(v)))
+        .map(|((_, &sides), &edges)| (stretch(sides, edges), area(sides)))
+        .unzip();
+    Distortion::of(&stretches, &areas)
 }
 
 /// The stereographic image from the vertex where the surface is flattest.
