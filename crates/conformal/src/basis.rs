@@ -184,6 +184,19 @@ impl HolomorphicBasis {
         self.potentials.combine(parts.map(DVector::as_slice))
     }
 
+    /// Returns the same form by half-edge of the mesh itself. O(g n).
+    ///
+    /// # Panics
+    /// If there is not one coefficient per class.
+    #[must_use]
+    pub fn form_on_mesh(&self, mesh: &TriangleMesh, parts: [&DVector<f64>; 2]) -> Vec<[f64; 2]> {
+        parts
+            .iter()
+            .for_each(|a| assert_eq!(a.len(), self.classes(), "one per class"));
+        let potentials = self.potentials.on(mesh.faces(), &self.homology.cocycles);
+        potentials.combine(parts.map(DVector::as_slice))
+    }
+
     /// Returns the forms `W_k` and the functions `f_k`.
     pub(crate) fn potentials(&self) -> &Potentials {
         &self.potentials

@@ -29,6 +29,8 @@ pub struct ClosedAtlas {
     pub basis: HolomorphicBasis,
     /// The form taken, before it was scaled.
     pub form: HolomorphicForm,
+    /// Face of the input that each face of that mesh lies in.
+    pub parents: Vec<u32>,
 }
 
 impl Atlas {
@@ -47,6 +49,7 @@ impl Atlas {
             homology: Homology::build(mesh.topology())?,
             relaxed: Vec::new(),
             kept: None,
+            parents: (0..mesh.face_count() as u32).collect(),
         };
         let mut round = 0;
         loop {
@@ -71,6 +74,7 @@ impl Atlas {
                     mesh: search.mesh,
                     basis,
                     form,
+                    parents: search.parents,
                 });
             }
             if round == ROUNDS || !search.mend(round, form, &flat, &findings) {
@@ -108,6 +112,8 @@ struct Search {
     relaxed: Vec<u32>,
     /// The form that is mended for.
     kept: Option<HolomorphicForm>,
+    /// Face of the input that each face lies in.
+    parents: Vec<u32>,
 }
 
 impl Search {
@@ -130,6 +136,8 @@ impl Search {
             return false;
         };
         self.homology = self.homology.on_split(self.mesh.topology(), &split);
+        let parents = split.parents.iter().map(|&p| self.parents[p as usize]);
+        self.parents = parents.collect();
         self.mesh = split.mesh;
         true
     }

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use msplines_common::mesh::{Facts, SurfacePoint, TriangleMesh, split_at};
+use msplines_common::mesh::{Facts, NONE, SurfacePoint, TopologyError, TriangleMesh, split_at};
 use msplines_common::operators::intrinsic::{FlipRule, IntrinsicTriangulation};
+use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::atlas::{Atlas, Ground, failure};
@@ -51,6 +52,12 @@ pub enum Structure {
         /// The level of each loop, in the order of the topology's loops.
         levels: Vec<f64>,
     },
+    /// The structure of the surface with cones over its holes: over all where it has handles, over all
+    /// but the longest where it has none.
+    Filled {
+        /// Number of cones.
+        cones: usize,
+    },
 }
 
 /// An atlas and how it was made.
@@ -95,8 +102,8 @@ impl Atlas {
     /// Lays out a connected surface, after removing the stars of the vertices to be punctured.
     ///
     /// # Errors
-    /// Several components, handles together with a boundary, stars that cannot be removed, and what
-    /// the map of each kind of surface refuses.
+    /// Several components, stars that cannot be removed, and what the map of each kind of surface
+    /// refuses.
     pub fn of_surface(
         mesh: &TriangleMesh,
         options: &AtlasOptions,
@@ -124,9 +131,9 @@ fn lay_out(
     match (genus, facts.boundary_loops) {
         (0, 0) => sphere(mesh, origins),
         (0, 1) => disk(mesh, origins),
-        (0, _) => bounded(mesh, origins),
+        (0, _) => bounded(mesh, origins.clone()).or_else(|_| filled_disk(mesh, origins)),
         (_, 0) => closed(mesh, origins, choice),
-        (_, loops) => Err(ConformalError::HandlesAndBoundary { genus, loops }),
+        (..) => filled_closed(mesh, origins, choice),
     }
 }
 
@@ -178,6 +185,87 @@ fn bounded(mesh: &TriangleMesh, mut origins: Vec<u32>) -> Result<SurfaceAtlas, C
         return Ok(atlas);
     }
     unreachable!("the last round returns")
+}
+
+/// A sphere with holes as a disk: where its harmonic function has zeros too near to a hole.
+fn filled_disk(mesh: &TriangleMesh, origins: Vec<u32>) -> Result<SurfaceAtlas, ConformalError> {
+    let open = levels(mesh).iter().position(|&level| level == 0.0);
+    let (filled, cones) = with_cones(mesh, open)?;
+    let map = flatten_disk(&filled)?;
+    let form = planar_edges(mesh.faces(), &map.points);
+    let mut atlas = finish(Atlas::of_form(mesh, &form)?, origins, 0, map.distortion);
+    atlas.structure = Structure::Filled { cones };
+    Ok(atlas)
+}
+
+/// A surface with handles and holes, by the forms of the closed surface with cones over the holes.
+fn filled_closed(
+    mesh: &TriangleMesh,
+    origins: Vec<u32>,
+    choice: &FormChoice,
+) -> Result<SurfaceAtlas, ConformalError> {
+    let (filled, cones) = with_cones(mesh, None)?;
+    let found = Atlas::closed(&filled, choice)?;
+    let form = found
+        .basis
+        .form_on_mesh(&found.mesh, [&found.form.real, &found.form.imaginary]);
+    let kept: Vec<usize> = (0..found.parents.len())
+        .filter(|&face| (found.parents[face] as usize) < mesh.face_count())
+        .collect();
+    let mut names = vec![NONE; found.mesh.vertex_count()];
+    kept.iter()
+        .flat_map(|&f| found.mesh.faces()[f])
+        .for_each(|v| names[v as usize] = v);
+    let mut positions = Vec::new();
+    for (vertex, name) in names
+        .iter_mut()
+        .enumerate()
+        .filter(|(_, name)| **name != NONE)
+    {
+        *name = positions.len() as u32;
+        positions.push(found.mesh.positions()[vertex]);
+    }
+    let faces = kept
+        .iter()
+        .map(|&f| found.mesh.faces()[f].map(|v| names[v as usize]));
+    let rest = TriangleMesh::build(positions, faces.collect())?;
+    let form: Vec<[f64; 2]> = kept
+        .iter()
+        .flat_map(|&f| [0, 1, 2].map(|i| form[3 * f + i]))
+        .collect();
+    let triangulation = found.basis.triangulation();
+    let on_triangulation = found.basis.form([&found.form.real, &found.form.imaginary]);
+    let distortion = distortion_outside(&found.atlas, triangulation, &on_triangulation);
+    let genus = found.basis.genus() as u32;
+    let mut atlas = finish(Atlas::of_form(&rest, &form)?, origins, genus, distortion);
+    atlas.report.rounds = found.atlas.refinements();
+    atlas.structure = Structure::Filled { cones };
+    Ok(atlas)
+}
+
+/// Closes boundary loops, all but one where one is named, by cones over their centres.
+fn with_cones(
+    mesh: &TriangleMesh,
+    open: Option<usize>,
+) -> Result<(TriangleMesh, usize), TopologyError> {
+    let topology = mesh.topology();
+    let mut positions = mesh.positions().to_vec();
+    let mut faces = mesh.faces().to_vec();
+    let loops = topology.boundary_loops();
+    let closed = loops.iter().enumerate().filter(|(k, _)| Some(*k) != open);
+    for (_, half_edges) in closed {
+        let apex = positions.len() as u32;
+        let ends = half_edges
+            .iter()
+            .map(|&h| [topology.origin(h), topology.target(h)]);
+        let sum = ends.clone().fold(Vector3::zeros(), |sum, [from, _]| {
+            sum + mesh.positions()[from as usize].coords
+        });
+        positions.push(Point3::from(sum / half_edges.len() as f64));
+        faces.extend(ends.map(|[from, to]| [to, from, apex]));
+    }
+    let cones = positions.len() - mesh.vertex_count();
+    Ok((TriangleMesh::build(positions, faces)?, cones))
 }
 
 /// Gives every face whose corners all lie on the boundary a vertex inside: the function is constant
@@ -252,7 +340,7 @@ fn sphere(mesh: &TriangleMesh, origins: Vec<u32>) -> Result<SurfaceAtlas, Confor
 fn flattest_vertex(mesh: &TriangleMesh) -> u32 {
     let spread = |v: u32| {
         let faces = mesh.topology().outgoing(v).map(|h| mesh.face_normal(h / 3));
-        let (mut sum, mut lengths) = (nalgebra::Vector3::zeros(), 0.0);
+        let (mut sum, mut lengths) = (Vector3::zeros(), 0.0);
         for normal in faces {
             sum += normal;
             lengths += normal.norm();

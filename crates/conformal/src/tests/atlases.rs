@@ -3,7 +3,7 @@
 use msplines_common::mesh::{TriangleMesh, shapes, zoo};
 
 use super::shapes::hexagon;
-use crate::{Atlas, AtlasOptions, ConformalError, FormChoice, Structure};
+use crate::{Atlas, AtlasOptions, FormChoice, Structure};
 
 fn power(z: [f64; 2], exponent: u32) -> [f64; 2] {
     (1..exponent).fold(z, |[a, b], _| [a * z[0] - b * z[1], a * z[1] + b * z[0]])
@@ -126,15 +126,14 @@ fn punctures_open_a_surface_and_keep_its_names() {
 }
 
 #[test]
-fn handles_with_a_boundary_are_refused_by_name() {
+fn handles_with_a_boundary_have_the_zeros_of_the_filled_surface() {
     let options = AtlasOptions {
         form: FormChoice::default(),
-        puncture: vec![10],
+        puncture: vec![10, 400],
     };
-    let error = Atlas::of_surface(&zoo::genus(2), &options).unwrap_err();
-    assert_eq!(
-        error,
-        ConformalError::HandlesAndBoundary { genus: 2, loops: 1 }
-    );
-    assert!(error.to_string().contains("fill the holes"));
+    let found = Atlas::of_surface(&shapes::genus(2, 1200), &options).unwrap();
+    assert!(matches!(found.structure, Structure::Filled { cones: 2 }));
+    let report = &found.report;
+    assert_eq!((report.genus, report.zeros, report.flips), (2, 2, 0));
+    assert_eq!(found.atlas.mesh().topology().boundary_loops().len(), 2);
 }
