@@ -5,12 +5,14 @@ fn main() {
         "cpp/openmesh.cc",
         "cpp/opensubdiv.cc",
         "cpp/cgal.cc",
+        "cpp/flattening.cc",
         "cpp/solids.cc",
         "cpp/cholmod.cc",
     ];
     cxx_build::bridge("src/bindings.rs")
         .files(sources)
         .include("cpp")
+        .include("/usr/include/eigen3")
         .std("c++17")
         // Both sides of the timing are optimised, whatever the profile of the tests.
         .opt_level(3)
@@ -20,7 +22,7 @@ fn main() {
         .flag_if_supported("-Wno-deprecated-declarations")
         .warnings(false)
         .compile("msplines-reference");
-    // CGAL is headers alone; its rational numbers are GMP's.
+    // CGAL and Eigen are headers alone; CGAL's rational numbers are GMP's.
     for library in ["OpenMeshCore", "osdCPU", "cholmod", "gmp"] {
         println!("cargo::rustc-link-lib={library}");
     }

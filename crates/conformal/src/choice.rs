@@ -209,7 +209,7 @@ fn minima(basis: &HolomorphicBasis, measure: &Uniformity, seed: u64) -> Vec<(f64
         .map(|start| {
             let mut random = Pcg64Mcg::seed_from_u64(seed.wrapping_add(start as u64));
             let entry = |_, _| random.random::<f64>() - 0.5;
-            let (value, x) = whitened.minimise(DVector::from_fn(classes, entry));
+            let (value, x) = whitened.minimise(&DVector::from_fn(classes, entry));
             (value, &to_coefficients * x)
         })
         .collect();

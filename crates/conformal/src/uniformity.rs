@@ -110,9 +110,9 @@ impl Uniformity {
     }
 
     /// Returns coefficients of unit length of locally least variance, and that variance.
-    pub(crate) fn minimise(&self, start: DVector<f64>) -> (f64, DVector<f64>) {
+    pub(crate) fn minimise(&self, start: &DVector<f64>) -> (f64, DVector<f64>) {
         let unit = |x: &DVector<f64>| x / x.norm();
-        let (_, x) = minimise(self, unit(&start));
+        let (_, x) = minimise(self, unit(start));
         let x = unit(&x);
         (self.variance(&x), x)
     }

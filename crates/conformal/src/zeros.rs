@@ -99,22 +99,27 @@ pub(crate) fn find(flat: &FlatComplex, vertices: usize, pole: Option<u32>) -> Fi
         });
     }
     if let Some(pole) = pole {
-        let corners = flat.faces().iter().enumerate();
-        let star = corners.filter(|(_, corners)| corners.contains(&pole));
-        let faces: Vec<u32> = star.map(|(face, _)| face as u32).collect();
-        for &face in &faces {
+        let zero = double_pole(flat, pole);
+        for &face in &zero.faces {
             in_zeros[face as usize] = findings.zeros.len() as u32;
         }
-        findings.zeros.push(Zero {
-            order: -2,
-            vertices: vec![pole],
-            faces,
-        });
+        findings.zeros.push(zero);
     }
     let folded = (0..flat.faces().len() as u32).filter(|&f| flat.doubled_area(f) <= 0.0);
     findings.folded = folded.filter(|&f| in_zeros[f as usize] == NONE).collect();
     findings.not_disks = not_disks(flat, &findings.zeros);
     findings
+}
+
+/// The pole at a vertex, with the faces around it.
+fn double_pole(flat: &FlatComplex, pole: u32) -> Zero {
+    let faces = (0u32..).zip(flat.faces());
+    let star = faces.filter(|(_, corners)| corners.contains(&pole));
+    Zero {
+        order: -2,
+        vertices: vec![pole],
+        faces: star.map(|(face, _)| face).collect(),
+    }
 }
 
 /// Connected components of the vertices that have stars.

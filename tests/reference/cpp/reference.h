@@ -30,6 +30,9 @@ Measures cgal_measures(Positions positions, Faces faces);
 rust::Vec<double> cgal_face_cotangents(Positions positions, Faces faces);
 rust::Vec<double> cgal_cotangent_weights(Positions positions, Faces flaps);
 
+rust::Vec<double> cgal_lscm(Positions positions, Faces faces);
+rust::Vec<double> cgal_mean_value(Positions positions, Faces faces);
+
 rust::Vec<std::int8_t> cgal_orientations(Positions corners);
 rust::Vec<Tetrahedron> cgal_tetrahedra(Positions corners);
 DelaunayMesh cgal_delaunay(Positions positions);

@@ -135,6 +135,12 @@ mod ffi {
         fn cgal_cotangent_weights(positions: &[f64], flaps: &[u32]) -> Vec<f64>;
         fn cgal_version() -> String;
 
+        /// Places in the plane, two for each vertex, by least squares conformal maps.
+        fn cgal_lscm(positions: &[f64], faces: &[u32]) -> Result<Vec<f64>>;
+
+        /// Places in the disk, two for each vertex, by mean value coordinates.
+        fn cgal_mean_value(positions: &[f64], faces: &[u32]) -> Result<Vec<f64>>;
+
         fn cgal_orientations(corners: &[f64]) -> Vec<i8>;
         fn cgal_tetrahedra(corners: &[f64]) -> Vec<Tetrahedron>;
         fn cgal_delaunay(positions: &[f64]) -> DelaunayMesh;

@@ -46,6 +46,25 @@ pub fn cgal_measures(mesh: &TriangleMesh) -> Measures {
     bindings::cgal_measures(&flat(mesh.positions()), mesh.faces().as_flattened())
 }
 
+/// Returns the place in the plane of each vertex of a disk by CGAL's least squares conformal map.
+///
+/// # Errors
+/// What CGAL says.
+pub fn cgal_lscm(mesh: &TriangleMesh) -> Result<Vec<[f64; 2]>, cxx::Exception> {
+    let places = bindings::cgal_lscm(&flat(mesh.positions()), mesh.faces().as_flattened())?;
+    Ok(places.as_chunks::<2>().0.to_vec())
+}
+
+/// Returns the place in the unit disk of each vertex of a disk by CGAL's mean value coordinates, the
+/// boundary by arc length.
+///
+/// # Errors
+/// What CGAL says.
+pub fn cgal_mean_value(mesh: &TriangleMesh) -> Result<Vec<[f64; 2]>, cxx::Exception> {
+    let places = bindings::cgal_mean_value(&flat(mesh.positions()), mesh.faces().as_flattened())?;
+    Ok(places.as_chunks::<2>().0.to_vec())
+}
+
 /// Returns CGAL's cotangent of each corner's angle, three for each face.
 #[must_use]
 pub fn cgal_face_cotangents(mesh: &TriangleMesh) -> Vec<f64> {

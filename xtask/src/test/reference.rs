@@ -17,6 +17,7 @@ const LIBRARIES: [(&str, &str); 5] = [
     ),
     ("libosd-dev", "/usr/include/opensubdiv/far/primvarRefiner.h"),
     ("libcgal-dev", "/usr/include/CGAL/version.h"),
+    ("libeigen3-dev", "/usr/include/eigen3/Eigen/Core"),
     ("libsuitesparse-dev", "/usr/include/suitesparse/cholmod.h"),
 ];
 
