@@ -5,7 +5,8 @@
 //! leave an ordinary mesh, because on them fewer triangles fold.
 //!
 //! # Reference
-//! [He2005] §3.3, steps 1 to 6 of the affine atlas.
+//! [He2005] Theorem 3, §3.3. Deviation: one flat mesh stands for all charts, as they differ by
+//! translations; the mesh is refined where faces fold away from the zeros.
 
 use std::collections::BTreeSet;
 
@@ -161,10 +162,16 @@ impl Atlas {
         self.refinements
     }
 
-    /// Returns the largest `|Σ ω|` around a face, relative to its longest side in the plane.
+    /// Returns the largest `|Σ ω|` around a face, relative to its longest side in the plane; faces at
+    /// a pole, which have no image, are left out.
     #[must_use]
     pub fn closedness(&self) -> f64 {
-        let faces = self.form.as_chunks::<3>().0;
+        let mut at_pole = vec![false; self.mesh.face_count()];
+        let poles = self.zeros.iter().filter(|zero| zero.order < 0);
+        for &face in poles.flat_map(|pole| &pole.faces) {
+            at_pole[face as usize] = true;
+        }
+        let faces = self.form.as_chunks::<3>().0.iter().zip(at_pole);
         let norm = |v: [f64; 2]| v[0].hypot(v[1]);
         let defect = |[a, b, c]: &[[f64; 2]; 3]| {
             let sum = [0, 1].map(|i| a[i] + b[i] + c[i]);
@@ -175,7 +182,8 @@ impl Atlas {
                 0.0
             }
         };
-        faces.iter().map(defect).fold(0.0, f64::max)
+        let measured = faces.filter(|(_, at_pole)| !at_pole);
+        measured.map(|(sides, _)| defect(sides)).fold(0.0, f64::max)
     }
 
     /// Returns the number of folded faces outside of the zeros: none, or there is no atlas.

@@ -9,6 +9,7 @@ mod atlas;
 mod basis;
 mod choice;
 mod descent;
+mod develop;
 mod error;
 mod extension;
 mod flat;
