@@ -157,12 +157,12 @@ impl Session {
 /// What is said of an atlas; nothing of a spline.
 fn atlas_summary(record: &Record) -> String {
     let check = |name: &str| record.number(&format!("checks.{name}"));
-    let names = ["genus", "zeros", "conformal_k_mean", "conformal_k_p99"].map(check);
-    let [Some(genus), Some(zeros), Some(mean), Some(most)] = names else {
+    let names = ["genus", "zeros", "conformal_k_p50", "conformal_k_p99"].map(check);
+    let [Some(genus), Some(zeros), Some(median), Some(most)] = names else {
         return String::new();
     };
     format!(
-        "genus {genus}, {zeros} zeros, angles distorted by {mean:.4} in the mean, {most:.4} at most in 99 %; "
+        "genus {genus}, {zeros} zeros, angles distorted by {median:.4} in half of the surface, up to {most:.4} in 99 %; "
     )
 }
 

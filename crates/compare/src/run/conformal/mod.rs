@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use msplines_common::Point3;
 use msplines_common::progress::Observer;
+use msplines_conformal::measure::Stretch;
 use msplines_conformal::{Atlas, AtlasOptions, AtlasReport, SurfaceAtlas};
 use serde_json::{Value, json};
 
@@ -19,6 +20,9 @@ use crate::input::{LoadedInput, load};
 use crate::record::Record;
 
 pub(crate) use texture::CHECKERS;
+
+/// Faces with a larger ratio of singular values count as stretched: needles where there were triangles.
+const STRETCHED: f64 = 10.0;
 
 /// Runs a case whose method is a conformal atlas; nothing for another one.
 pub(super) fn asked(
@@ -44,7 +48,8 @@ fn run(
     let found = atlas(&input, method, case.seed)?;
     let atlas = &found.atlas;
     enter("evaluate", clock, observer);
-    let texture = texture::texture(atlas);
+    let stretches = texture::stretches(atlas);
+    let texture = texture::texture(atlas, &stretches);
     let options = options(case, method);
     let digest = input.facts.sha256.clone();
     let file = AtlasFile::new(digest, options.clone(), &found);
@@ -62,7 +67,7 @@ fn run(
     }
     let record = Record {
         domain_bytes: (24 * mesh.vertex_count() + 12 * mesh.face_count()) as u64,
-        checks: checks(&found.report),
+        checks: checks(&found.report, &stretches),
         seconds: clock.read(),
         peak_rss_bytes: process_usage().peak_rss_bytes,
         warnings,
@@ -127,14 +132,17 @@ fn options(case: &Case, method: &ConformalMethod) -> Value {
     })
 }
 
-fn checks(report: &AtlasReport) -> BTreeMap<String, Value> {
+fn checks(report: &AtlasReport, stretches: &[(Stretch, f64)]) -> BTreeMap<String, Value> {
     let distortion = &report.distortion;
+    let stretched = stretches.iter().filter(|(s, _)| s.anisotropy > STRETCHED);
     let named = [
         ("genus", json!(report.genus)),
         ("zeros", json!(report.zeros)),
         ("flips", json!(report.flips)),
         ("conformal_k_mean", json!(distortion.angle_mean)),
+        ("conformal_k_p50", json!(distortion.angle_p50)),
         ("conformal_k_p99", json!(distortion.angle_p99)),
+        ("stretched_faces", json!(stretched.count())),
         ("scale_spread", json!(distortion.scale_spread)),
         ("closedness", json!(report.closedness)),
         ("co_closedness", json!(report.co_closedness)),

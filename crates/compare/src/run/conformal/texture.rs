@@ -2,19 +2,33 @@
 
 use msplines_common::mesh::TriangleMesh;
 use msplines_conformal::Atlas;
-use msplines_conformal::measure::{area, flat_stretches};
+use msplines_conformal::measure::{Stretch, area, flat_stretches};
 
 /// Squares of a checkerboard along a unit of texture, as images for this purpose have them.
 pub(crate) const CHECKERS: f64 = 8.0;
 /// Squares along the diagonal of the surface, where the atlas has its median scale.
 const ALONG_DIAGONAL: f64 = 40.0;
 
+/// Returns what the atlas does to every face that is not at a zero, with the area of the face. O(n).
+pub(super) fn stretches(atlas: &Atlas) -> Vec<(Stretch, f64)> {
+    let lengths = lengths(atlas.mesh());
+    let mut outside = vec![true; lengths.len()];
+    for &face in atlas.zeros().iter().flat_map(|zero| &zero.faces) {
+        outside[face as usize] = false;
+    }
+    let found = flat_stretches(&lengths, atlas.form());
+    let all = found.into_iter().zip(lengths).zip(outside);
+    all.filter(|(_, outside)| *outside)
+        .map(|((stretch, sides), _)| (stretch, area(sides)))
+        .collect()
+}
+
 /// Returns the texture coordinates of the corners of every face: the atlas, so large that an image of
 /// 8 by 8 squares, repeated, shows 40 along the diagonal where lengths have the median of the atlas.
 ///
 /// The median, as the mean follows the few faces that a stereographic image blows up. O(n log n).
-pub(super) fn texture(atlas: &Atlas) -> Vec<[[f64; 2]; 3]> {
-    let unit = atlas.mesh().diagonal() * median_scale(atlas) * CHECKERS / ALONG_DIAGONAL;
+pub(super) fn texture(atlas: &Atlas, stretches: &[(Stretch, f64)]) -> Vec<[[f64; 2]; 3]> {
+    let unit = atlas.mesh().diagonal() * median_scale(stretches) * CHECKERS / ALONG_DIAGONAL;
     let mut corners = atlas.corners();
     for number in corners.as_flattened_mut().as_flattened_mut() {
         *number /= unit;
@@ -22,22 +36,12 @@ pub(super) fn texture(atlas: &Atlas) -> Vec<[[f64; 2]; 3]> {
     corners
 }
 
-/// The median over the surface of lengths in the plane over lengths on the surface; faces at zeros are
-/// left out.
-fn median_scale(atlas: &Atlas) -> f64 {
-    let lengths = lengths(atlas.mesh());
-    let mut outside = vec![true; lengths.len()];
-    for &face in atlas.zeros().iter().flat_map(|zero| &zero.faces) {
-        outside[face as usize] = false;
-    }
-    let stretches = flat_stretches(&lengths, atlas.form());
-    let mut weighted: Vec<(f64, f64)> = stretches
+/// The median over the surface of lengths in the plane over lengths on the surface.
+fn median_scale(stretches: &[(Stretch, f64)]) -> f64 {
+    let scales = stretches
         .iter()
-        .zip(&lengths)
-        .zip(outside)
-        .filter(|((stretch, _), outside)| *outside && stretch.scale.is_normal())
-        .map(|((stretch, sides), _)| (stretch.scale, area(*sides)))
-        .collect();
+        .map(|(stretch, area)| (stretch.scale, *area));
+    let mut weighted: Vec<(f64, f64)> = scales.filter(|(scale, _)| scale.is_normal()).collect();
     weighted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let half = weighted.iter().map(|(_, area)| area).sum::<f64>() / 2.0;
     let mut sum = 0.0;
@@ -66,7 +70,8 @@ mod tests {
     fn half_of_the_surface_has_squares_of_a_fortieth_of_the_diagonal() {
         for mesh in [shapes::torus(1.0, 0.4, 900), shapes::sphere(900)] {
             let found = Atlas::of_surface(&mesh, &AtlasOptions::default()).expect("an atlas");
-            let (mesh, texture) = (found.atlas.mesh(), texture(&found.atlas));
+            let mesh = found.atlas.mesh();
+            let texture = texture(&found.atlas, &stretches(&found.atlas));
             // Squares along the diagonal, by the areas of face and image.
             let mut areas: Vec<(f64, f64)> = Vec::new();
             for (face, [a, b, c]) in texture.iter().enumerate() {
