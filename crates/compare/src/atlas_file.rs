@@ -69,6 +69,11 @@ pub enum StoredStructure {
         /// The level of each loop.
         levels: Vec<f64>,
     },
+    /// The structure of the surface with cones over its holes.
+    Filled {
+        /// Number of cones.
+        cones: usize,
+    },
 }
 
 impl AtlasFile {
@@ -97,6 +102,7 @@ impl AtlasFile {
                 Structure::Bounded { levels } => StoredStructure::Bounded {
                     levels: levels.clone(),
                 },
+                Structure::Filled { cones } => StoredStructure::Filled { cones: *cones },
             },
             report: found.report.clone(),
         }

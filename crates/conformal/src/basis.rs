@@ -3,13 +3,16 @@
 //! Each integer closed form `W_k` is made harmonic by a function: `H_k = W_k + df_k`, where
 //! `L f_k = -dᵀ c W_k` for the cotangent weights `c` of the intrinsic Delaunay triangulation. The
 //! wedge products `M_ij = ∫ H_i ∧ H_j = ∫ W_i ∧ W_j` are integers and `det M = 1`; with the inner
-//! products `G_ij = H_iᵀ c H_j` the conjugate of `Σ a_k H_k` is `Σ (C a)_k H_k`, `C = M⁻¹ G`, because
-//! `∫ H_i ∧ *H_j = G_ij`. No rotation of gradients face by face enters, and no local error with it.
+//! products `G_ij = H_iᵀ c H_j` the conjugate of `Σ a_k H_k` is `Σ (J a)_k H_k` with `J` near
+//! `C = M⁻¹ G`, because `∫ H_i ∧ *H_j = G_ij`. No rotation of gradients face by face enters, and no
+//! local error with it.
 //!
-//! `C² = -I` holds up to the discretisation, so that `|C² + I|` estimates its error.
+//! `C² = -I` holds up to the discretisation, so that `|C² + I|` estimates its error. `J = C (-C²)^(-1/2)`
+//! has `J² = -I` to rounding: with it the periods of a form do not depend on which of its parts was
+//! conjugated, and the modulus of a torus is one number.
 //!
 //! # Notation
-//! `W`, `H`, `f`, `M`, `G`, `C` as above; `ω = Σ (a_k + i (C a)_k) H_k`.
+//! `W`, `H`, `f`, `M`, `G`, `C`, `J` as above; `ω = Σ (a_k + i (J a)_k) H_k`.
 //!
 //! # Reference
 //! [Gu2003] §4; [Mercat2001] §1. Deviation: conjugates by wedge products on the intrinsic Delaunay
@@ -34,15 +37,21 @@ use crate::potentials::Potentials;
 /// this one is that of two angles of 84 degrees.
 const NEEDLE_WEIGHT: f64 = 0.1;
 
-/// Least weight of all edges. Weights of zero, as cocircular points have them, may leave a vertex on
+/// Least weights of all edges. Weights of zero, as cocircular points have them, may leave a vertex on
 /// the segment between two others, and its faces without area.
-const LEAST_WEIGHT: f64 = 1e-3;
+///
+/// The larger one is for meshes on which faces fold. It is not the first choice, because on grids of
+/// rectangles, whose diagonals weigh nothing, it shows in the fourth digit of periods.
+const LEAST_WEIGHTS: [f64; 2] = [1e-7, 1e-3];
 
 /// Weight of all edges at relaxed vertices: that of equilateral triangles.
 const EQUAL_WEIGHT: f64 = 0.577;
 
 /// Determinants of integer matrices further from 1 than this are wrong.
 const UNIMODULAR: f64 = 1e-6;
+
+/// Steps of a quadratically convergent iteration from a matrix near the identity.
+const ROOT_STEPS: usize = 20;
 
 /// The harmonic forms of a closed surface and what turns them into holomorphic ones.
 #[derive(Clone, Debug)]
@@ -66,18 +75,19 @@ impl HolomorphicBasis {
     /// # Errors
     /// A boundary, several components, genus 0, or coordinates that are not finite.
     pub fn build(mesh: &TriangleMesh) -> Result<Self, ConformalError> {
-        Self::relaxed_at(mesh, &[])
+        Self::of(mesh, &Homology::build(mesh.topology())?, &[])
     }
 
-    /// Builds the basis with equal weights on all edges at some vertices, ascending.
+    /// Builds the basis over given integer forms, with equal weights on all edges at some vertices,
+    /// which are in ascending order.
     ///
     /// # Errors
     /// As [`Self::build`].
-    pub(crate) fn relaxed_at(
+    pub(crate) fn of(
         mesh: &TriangleMesh,
-        vertices: &[u32],
+        homology: &Homology,
+        relaxed: &[u32],
     ) -> Result<Self, ConformalError> {
-        let homology = Homology::build(mesh.topology())?;
         if homology.genus() == 0 {
             return Err(ConformalError::NoForm);
         }
@@ -94,7 +104,7 @@ impl HolomorphicBasis {
             .par_iter()
             .flat_map_iter(|&sides| half_cotangents(sides))
             .collect();
-        let changes = change_weights(&triangulation, vertices, &mut weights);
+        let changes = change_weights(&triangulation, relaxed, &mut weights);
         operators.laplacian.add_to_entries(&changes);
         let poisson = Poisson::factor(&operators)?;
         let mut potentials = Potentials::start(mesh.vertex_count(), &triangulation.faces, &carried);
@@ -104,12 +114,12 @@ impl HolomorphicBasis {
         let classes = carried.len();
         let defect = &conjugation * &conjugation + DMatrix::identity(classes, classes);
         Ok(Self {
-            homology,
+            homology: homology.clone(),
             triangulation,
             potentials,
             gram,
             conjugation_defect: defect.norm() / classes as f64,
-            conjugation,
+            conjugation: complex_structure(&conjugation),
             co_closedness,
             changed_edges: changes.len() / 4,
         })
@@ -146,7 +156,7 @@ impl HolomorphicBasis {
         &self.gram
     }
 
-    /// Returns the coefficients `C a` of the conjugate of the harmonic form with coefficients `a`.
+    /// Returns the coefficients `J a` of the conjugate of the harmonic form with coefficients `a`.
     ///
     /// # Panics
     /// If there is not one coefficient per class.
@@ -155,7 +165,7 @@ impl HolomorphicBasis {
         &self.conjugation * coefficients
     }
 
-    /// Returns the conjugation `C`.
+    /// Returns the conjugation `J`, whose square is `-I`.
     #[must_use]
     pub fn conjugation(&self) -> &DMatrix<f64> {
         &self.conjugation
@@ -172,6 +182,19 @@ impl HolomorphicBasis {
             .iter()
             .for_each(|a| assert_eq!(a.len(), self.classes(), "one per class"));
         self.potentials.combine(parts.map(DVector::as_slice))
+    }
+
+    /// Returns the same form by half-edge of the mesh itself. O(g n).
+    ///
+    /// # Panics
+    /// If there is not one coefficient per class.
+    #[must_use]
+    pub fn form_on_mesh(&self, mesh: &TriangleMesh, parts: [&DVector<f64>; 2]) -> Vec<[f64; 2]> {
+        parts
+            .iter()
+            .for_each(|a| assert_eq!(a.len(), self.classes(), "one per class"));
+        let potentials = self.potentials.on(mesh.faces(), &self.homology.cocycles);
+        potentials.combine(parts.map(DVector::as_slice))
     }
 
     /// Returns the forms `W_k` and the functions `f_k`.
@@ -199,6 +222,7 @@ fn change_weights(
     weights: &mut [f64],
 ) -> Vec<(u32, u32, f64)> {
     let is_relaxed = |v: u32| relaxed.binary_search(&v).is_ok();
+    let least = LEAST_WEIGHTS[usize::from(!relaxed.is_empty())];
     let mut entries = Vec::new();
     for (one, &other) in triangulation.twins.iter().enumerate() {
         let other = other as usize;
@@ -214,7 +238,7 @@ fn change_weights(
         } else if weight < -rounding {
             NEEDLE_WEIGHT
         } else {
-            weight.max(LEAST_WEIGHT)
+            weight.max(least)
         };
         if wanted != weight {
             weights[one] = 0.5 * wanted;
@@ -246,6 +270,30 @@ fn gram(potentials: &Potentials, weights: &[f64], carried: &[Cocycle]) -> DMatri
         .collect();
     let gram = DMatrix::from_fn(classes, classes, |i, j| rows[i][j]);
     0.5 * (&gram + gram.transpose())
+}
+
+/// Returns `C (-C²)^(-1/2)`, by Newton's iteration for the square root and its inverse.
+///
+/// # Reference
+/// [Higham2008] Eq. (6.15).
+fn complex_structure(conjugation: &DMatrix<f64>) -> DMatrix<f64> {
+    let classes = conjugation.nrows();
+    let mut root = -(conjugation * conjugation);
+    let mut inverse = DMatrix::identity(classes, classes);
+    for _ in 0..ROOT_STEPS {
+        let (Some(of_root), Some(of_inverse)) =
+            (root.clone().try_inverse(), inverse.clone().try_inverse())
+        else {
+            break;
+        };
+        let change = (&of_root - &inverse).norm();
+        root = 0.5 * (root + of_inverse);
+        inverse = 0.5 * (inverse + of_root);
+        if change <= f64::EPSILON * classes as f64 {
+            break;
+        }
+    }
+    conjugation * inverse
 }
 
 /// Returns the inverse of the integer matrix `M` of wedge products, exactly.

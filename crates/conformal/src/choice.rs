@@ -106,6 +106,24 @@ impl FormChoice {
     }
 }
 
+impl FormChoice {
+    /// Returns the form of the same class over the basis of a mesh that was split or relaxed.
+    pub(crate) fn carried(
+        &self,
+        form: &HolomorphicForm,
+        basis: &HolomorphicBasis,
+    ) -> HolomorphicForm {
+        match self {
+            Self::Integer { .. } | Self::IntegerPeriods(_) => {
+                from_imaginary(basis, form.imaginary.clone())
+            }
+            Self::Optimal { .. } | Self::Coefficients(_) | Self::Periods(_) => {
+                from_real(basis, form.real.clone())
+            }
+        }
+    }
+}
+
 fn checked(basis: &HolomorphicBasis, given: Vec<f64>) -> Result<DVector<f64>, ConformalError> {
     if given.len() != basis.classes() || given.iter().any(|value| !value.is_finite()) {
         return Err(ConformalError::ClassCount {

@@ -8,14 +8,15 @@ use crate::atlas::Atlas;
 
 /// Images of a vertex that are nearer than this share of the whole image are one: they come along
 /// other paths, and differ by the rounding of some hundred sums.
-const SAME: f64 = 1e-9;
+const SAME: f64 = 1e-12;
 
 impl Atlas {
     /// Returns the corners of every face in the plane, up to one translation of all: the form is
     /// integrated over a spanning tree of faces, breadth first.
     ///
     /// Two faces agree along their edge wherever no loop with a period closes there; elsewhere they
-    /// differ by a period. Faces at a pole have no image: theirs has no area. O(n).
+    /// differ by a period. Faces at a pole have no image: theirs has no area. Faces on limbs may be too
+    /// small for the digits of coordinates, which the form itself is not. O(n).
     ///
     /// # Reference
     /// [He2005] §3.3, the charts of the affine atlas.

@@ -1,6 +1,6 @@
 //! Why a surface has no atlas of the kind asked for.
 
-use msplines_common::mesh::SplitError;
+use msplines_common::mesh::{SplitError, TopologyError};
 use msplines_common::operators::PoissonError;
 use msplines_common::operators::intrinsic::IntrinsicError;
 
@@ -33,16 +33,6 @@ pub enum ConformalError {
         "a closed surface of genus 0 has no holomorphic 1-form; remove the star of a vertex (--puncture), or use the spherical map"
     )]
     NoForm,
-    /// A surface with handles and a boundary.
-    #[error(
-        "the surface has {genus} handles and {loops} boundary loops; fill the holes, or cut it to genus 0"
-    )]
-    HandlesAndBoundary {
-        /// Number of handles.
-        genus: u32,
-        /// Number of loops.
-        loops: usize,
-    },
     /// Stars that cannot be removed.
     #[error(transparent)]
     Puncture(#[from] PunctureError),
@@ -58,6 +48,9 @@ pub enum ConformalError {
     /// Faces that cannot be split.
     #[error(transparent)]
     Split(#[from] SplitError),
+    /// Boundary loops that cannot be filled, because they touch.
+    #[error("the boundary loops cannot be filled by cones: {0}")]
+    Filled(#[from] TopologyError),
     /// No intrinsic triangulation.
     #[error(transparent)]
     Intrinsic(#[from] IntrinsicError),

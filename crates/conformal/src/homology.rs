@@ -10,7 +10,7 @@
 //! # Reference
 //! [Erickson2005] §3; [Gu2003] §4.1.
 
-use msplines_common::mesh::{NONE, Topology};
+use msplines_common::mesh::{NONE, SplitMesh, SurfacePoint, Topology};
 
 use crate::error::ConformalError;
 
@@ -64,6 +64,62 @@ impl Homology {
                 .map(|&h| closed_path(topology, &vertices, h))
                 .collect(),
         })
+    }
+
+    /// Returns the same forms and loops on a mesh whose faces were split.
+    ///
+    /// Every new vertex is taken for a corner of the edge or face that it lies on: so values along new
+    /// edges are values along old ones, or zero.
+    pub(crate) fn on_split(&self, topology: &Topology, split: &SplitMesh) -> Self {
+        let corners = |face: u32| topology.faces()[face as usize];
+        let old = 0..topology.vertex_count() as u32;
+        let first_corner = |place: &SurfacePoint| {
+            let corner = place.at.iter().position(|&weight| weight > 0.0);
+            corners(place.face)[corner.unwrap_or(0)]
+        };
+        let bases: Vec<u32> = old.chain(split.places.iter().map(first_corner)).collect();
+        let carried = |cocycle: &Cocycle| {
+            let mut values = Cocycle::new();
+            for sides in cocycle.chunk_by(|a, b| a.0 / 3 == b.0 / 3) {
+                let parent = sides[0].0 / 3;
+                let mut along = [0; 3];
+                sides
+                    .iter()
+                    .for_each(|&(h, value)| along[(h % 3) as usize] = value);
+                let corner = |v: u32| {
+                    let base = bases[v as usize];
+                    corners(parent).iter().position(|&c| c == base).unwrap_or(0)
+                };
+                let first = split.parents.partition_point(|&p| p < parent);
+                let last = split.parents.partition_point(|&p| p <= parent);
+                for half_edge in 3 * first as u32..3 * last as u32 {
+                    let ends = [half_edge, Topology::next(half_edge)];
+                    let [i, j] = ends.map(|h| corner(split.mesh.topology().origin(h)));
+                    let value = match (j + 3 - i) % 3 {
+                        0 => 0,
+                        1 => along[i],
+                        _ => -along[j],
+                    };
+                    if value != 0 {
+                        values.push((half_edge, value));
+                    }
+                }
+            }
+            values
+        };
+        let edge = |path: &Vec<u32>| {
+            let ends = path
+                .iter()
+                .map(|&h| [topology.origin(h), topology.target(h)]);
+            let pieces = split.edges(&ends.collect::<Vec<_>>());
+            let fine = split.mesh.topology();
+            let along = |[from, to]: [u32; 2]| fine.outgoing(from).find(|&h| fine.target(h) == to);
+            pieces.into_iter().filter_map(along).collect()
+        };
+        Self {
+            cocycles: self.cocycles.iter().map(carried).collect(),
+            loops: self.loops.iter().map(edge).collect(),
+        }
     }
 
     /// Returns the number of handles.

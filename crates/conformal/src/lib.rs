@@ -8,15 +8,19 @@
 mod atlas;
 mod basis;
 mod choice;
+mod closed;
 mod descent;
 mod develop;
 mod error;
 mod extension;
 mod flat;
 mod homology;
+mod lattice;
 mod polish;
 mod potentials;
 mod surface;
+#[cfg(test)]
+mod tests;
 mod uniformity;
 mod untangle;
 mod zeros;
@@ -26,10 +30,12 @@ pub mod disk;
 pub mod measure;
 pub mod sphere;
 
-pub use atlas::{Atlas, ClosedAtlas};
+pub use atlas::Atlas;
 pub use basis::HolomorphicBasis;
 pub use choice::{FormChoice, HolomorphicForm};
+pub use closed::ClosedAtlas;
 pub use error::ConformalError;
 pub use homology::{Cocycle, Homology};
+pub use lattice::Lattice;
 pub use surface::{AtlasOptions, AtlasReport, Structure, SurfaceAtlas};
 pub use zeros::Zero;

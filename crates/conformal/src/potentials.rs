@@ -86,6 +86,14 @@ impl Potentials {
         }
     }
 
+    /// Returns the same functions with the integer forms on other faces over the same vertices.
+    pub(crate) fn on(&self, faces: &[[u32; 3]], cocycles: &[Cocycle]) -> Self {
+        Self {
+            values: self.values.clone(),
+            ..Self::start(0, faces, cocycles)
+        }
+    }
+
     /// Makes the forms harmonic; returns the largest remaining flux out of a vertex relative to the
     /// largest one beside that vertex.
     pub(crate) fn solve(&mut self, poisson: &Poisson, weights: &[f64]) -> f64 {

@@ -1,17 +1,24 @@
 //! The affine atlas of a surface, whatever its topology.
 
-use msplines_common::mesh::{Facts, SurfacePoint, TriangleMesh, split_at};
-use msplines_common::operators::intrinsic::FlipRule;
+use std::collections::BTreeSet;
+
+use msplines_common::mesh::{Facts, NONE, SurfacePoint, TopologyError, TriangleMesh, split_at};
+use msplines_common::operators::intrinsic::{FlipRule, IntrinsicTriangulation};
+use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::atlas::Atlas;
+use crate::atlas::{Atlas, Ground, failure};
 use crate::basis::HolomorphicBasis;
 use crate::bounded::{bounded_form, puncture};
 use crate::choice::{FormChoice, HolomorphicForm};
+use crate::closed::split_around;
 use crate::disk::flatten_disk;
 use crate::error::ConformalError;
-use crate::measure::{Distortion, measure_flat, planar_edges};
+use crate::measure::{Distortion, area, planar_edges, stretch};
 use crate::sphere::spherical_map;
+
+/// Rounds in which faces of a surface with boundary are split where the form folds them.
+const BOUNDED_ROUNDS: usize = 6;
 
 /// How a surface is laid out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -44,6 +51,12 @@ pub enum Structure {
     Bounded {
         /// The level of each loop, in the order of the topology's loops.
         levels: Vec<f64>,
+    },
+    /// The structure of the surface with cones over its holes: over all where it has handles, over all
+    /// but the longest where it has none.
+    Filled {
+        /// Number of cones.
+        cones: usize,
     },
 }
 
@@ -89,8 +102,8 @@ impl Atlas {
     /// Lays out a connected surface, after removing the stars of the vertices to be punctured.
     ///
     /// # Errors
-    /// Several components, handles together with a boundary, stars that cannot be removed, and what
-    /// the map of each kind of surface refuses.
+    /// Several components, stars that cannot be removed, and what the map of each kind of surface
+    /// refuses.
     pub fn of_surface(
         mesh: &TriangleMesh,
         options: &AtlasOptions,
@@ -118,9 +131,9 @@ fn lay_out(
     match (genus, facts.boundary_loops) {
         (0, 0) => sphere(mesh, origins),
         (0, 1) => disk(mesh, origins),
-        (0, _) => bounded(mesh, origins),
+        (0, _) => bounded(mesh, origins.clone()).or_else(|_| filled_disk(mesh, origins)),
         (_, 0) => closed(mesh, origins, choice),
-        (_, loops) => Err(ConformalError::HandlesAndBoundary { genus, loops }),
+        (..) => filled_closed(mesh, origins, choice),
     }
 }
 
@@ -132,7 +145,7 @@ fn closed(
     let found = Atlas::closed(mesh, choice)?;
     let triangulation = found.basis.triangulation();
     let form = found.basis.form([&found.form.real, &found.form.imaginary]);
-    let distortion = measure_flat(&triangulation.lengths, &form);
+    let distortion = distortion_outside(&found.atlas, triangulation, &form);
     let mut atlas = finish(found.atlas, origins, found.basis.genus() as u32, distortion);
     atlas.report.co_closedness = Some(found.basis.co_closedness);
     atlas.report.conjugation_defect = Some(found.basis.conjugation_defect);
@@ -152,37 +165,157 @@ fn disk(mesh: &TriangleMesh, origins: Vec<u32>) -> Result<SurfaceAtlas, Conforma
 }
 
 fn bounded(mesh: &TriangleMesh, mut origins: Vec<u32>) -> Result<SurfaceAtlas, ConformalError> {
-    // The function is constant on a face whose corners lie on one loop: such faces get a vertex.
+    let mut refined = mesh.clone();
+    for round in 0..=BOUNDED_ROUNDS {
+        refined = without_flat_faces(&refined)?;
+        let levels = levels(&refined);
+        let found = bounded_form(&refined, &levels, FlipRule::Simplicial)?;
+        let ground = Ground::build(&refined, &found.triangulation);
+        let (flat, findings) = ground.lay_out(found.form.clone(), None);
+        if !findings.is_clean() {
+            let split = split_around(&refined, &flat, &findings).filter(|_| round < BOUNDED_ROUNDS);
+            refined = split.ok_or_else(|| failure(&flat, &findings, round))?.mesh;
+            continue;
+        }
+        let atlas = ground.atlas(flat, findings.zeros, mesh.vertex_count(), round)?;
+        let distortion = distortion_outside(&atlas, &found.triangulation, &found.form);
+        origins.truncate(mesh.vertex_count());
+        let mut atlas = finish(atlas, origins, 0, distortion);
+        atlas.structure = Structure::Bounded { levels };
+        return Ok(atlas);
+    }
+    unreachable!("the last round returns")
+}
+
+/// A sphere with holes as a disk: where its harmonic function has zeros too near to a hole.
+fn filled_disk(mesh: &TriangleMesh, origins: Vec<u32>) -> Result<SurfaceAtlas, ConformalError> {
+    let open = levels(mesh).iter().position(|&level| level == 0.0);
+    let (filled, cones) = with_cones(mesh, open)?;
+    let map = flatten_disk(&filled)?;
+    let form = planar_edges(mesh.faces(), &map.points);
+    let mut atlas = finish(Atlas::of_form(mesh, &form)?, origins, 0, map.distortion);
+    atlas.structure = Structure::Filled { cones };
+    Ok(atlas)
+}
+
+/// A surface with handles and holes, by the forms of the closed surface with cones over the holes.
+fn filled_closed(
+    mesh: &TriangleMesh,
+    origins: Vec<u32>,
+    choice: &FormChoice,
+) -> Result<SurfaceAtlas, ConformalError> {
+    let (filled, cones) = with_cones(mesh, None)?;
+    let found = Atlas::closed(&filled, choice)?;
+    let form = found
+        .basis
+        .form_on_mesh(&found.mesh, [&found.form.real, &found.form.imaginary]);
+    let kept: Vec<usize> = (0..found.parents.len())
+        .filter(|&face| (found.parents[face] as usize) < mesh.face_count())
+        .collect();
+    let mut names = vec![NONE; found.mesh.vertex_count()];
+    kept.iter()
+        .flat_map(|&f| found.mesh.faces()[f])
+        .for_each(|v| names[v as usize] = v);
+    let mut positions = Vec::new();
+    for (vertex, name) in names
+        .iter_mut()
+        .enumerate()
+        .filter(|(_, name)| **name != NONE)
+    {
+        *name = positions.len() as u32;
+        positions.push(found.mesh.positions()[vertex]);
+    }
+    let faces = kept
+        .iter()
+        .map(|&f| found.mesh.faces()[f].map(|v| names[v as usize]));
+    let rest = TriangleMesh::build(positions, faces.collect())?;
+    let form: Vec<[f64; 2]> = kept
+        .iter()
+        .flat_map(|&f| [0, 1, 2].map(|i| form[3 * f + i]))
+        .collect();
+    let triangulation = found.basis.triangulation();
+    let on_triangulation = found.basis.form([&found.form.real, &found.form.imaginary]);
+    let distortion = distortion_outside(&found.atlas, triangulation, &on_triangulation);
+    let genus = found.basis.genus() as u32;
+    let mut atlas = finish(Atlas::of_form(&rest, &form)?, origins, genus, distortion);
+    atlas.report.rounds = found.atlas.refinements();
+    atlas.structure = Structure::Filled { cones };
+    Ok(atlas)
+}
+
+/// Closes boundary loops, all but one where one is named, by cones over their centres.
+fn with_cones(
+    mesh: &TriangleMesh,
+    open: Option<usize>,
+) -> Result<(TriangleMesh, usize), TopologyError> {
+    let topology = mesh.topology();
+    let mut positions = mesh.positions().to_vec();
+    let mut faces = mesh.faces().to_vec();
+    let loops = topology.boundary_loops();
+    let closed = loops.iter().enumerate().filter(|(k, _)| Some(*k) != open);
+    for (_, half_edges) in closed {
+        let apex = positions.len() as u32;
+        let ends = half_edges
+            .iter()
+            .map(|&h| [topology.origin(h), topology.target(h)]);
+        let sum = ends.clone().fold(Vector3::zeros(), |sum, [from, _]| {
+            sum + mesh.positions()[from as usize].coords
+        });
+        positions.push(Point3::from(sum / half_edges.len() as f64));
+        faces.extend(ends.map(|[from, to]| [to, from, apex]));
+    }
+    let cones = positions.len() - mesh.vertex_count();
+    Ok((TriangleMesh::build(positions, faces)?, cones))
+}
+
+/// Gives every face whose corners all lie on the boundary a vertex inside: the function is constant
+/// on faces of one loop.
+fn without_flat_faces(mesh: &TriangleMesh) -> Result<TriangleMesh, ConformalError> {
     let topology = mesh.topology();
     let centre = [1.0 / 3.0; 3];
     let flat = (0..mesh.face_count() as u32).filter(|&f| {
-        mesh.faces()[f as usize]
-            .iter()
-            .all(|&v| topology.is_boundary_vertex(v))
+        let corners = mesh.faces()[f as usize];
+        corners.iter().all(|&v| topology.is_boundary_vertex(v))
     });
     let points: Vec<SurfacePoint> = flat.map(|face| SurfacePoint { face, at: centre }).collect();
-    let split = split_at(mesh, &points)?.mesh;
-    let loops = split.topology().boundary_loops();
+    Ok(split_at(mesh, &points)?.mesh)
+}
+
+/// The longest boundary loop is the source, the others are sinks.
+fn levels(mesh: &TriangleMesh) -> Vec<f64> {
+    let topology = mesh.topology();
     let length = |half_edges: &Vec<u32>| -> f64 {
         let ends = half_edges
             .iter()
-            .map(|&h| [split.topology().origin(h), split.topology().target(h)]);
-        let at = |v: u32| split.positions()[v as usize];
+            .map(|&h| [topology.origin(h), topology.target(h)]);
+        let at = |v: u32| mesh.positions()[v as usize];
         ends.map(|[a, b]| (at(b) - at(a)).norm()).sum()
     };
-    let lengths: Vec<f64> = loops.iter().map(length).collect();
+    let lengths: Vec<f64> = topology.boundary_loops().iter().map(length).collect();
     let longest =
-        (0..loops.len()).max_by(|&a, &b| lengths[a].total_cmp(&lengths[b]).then(b.cmp(&a)));
-    let levels: Vec<f64> = (0..loops.len())
-        .map(|k| if Some(k) == longest { 0.0 } else { 1.0 })
+        (0..lengths.len()).max_by(|&a, &b| lengths[a].total_cmp(&lengths[b]).then(b.cmp(&a)));
+    let level = |k: usize| if Some(k) == longest { 0.0 } else { 1.0 };
+    (0..lengths.len()).map(level).collect()
+}
+
+/// The distortion of a form on its triangulation, away from the zeros of the atlas.
+fn distortion_outside(
+    atlas: &Atlas,
+    triangulation: &IntrinsicTriangulation,
+    form: &[[f64; 2]],
+) -> Distortion {
+    let zeros: BTreeSet<u32> = atlas
+        .zeros()
+        .iter()
+        .flat_map(|z| z.vertices.clone())
         .collect();
-    let found = bounded_form(&split, &levels, FlipRule::Simplicial)?;
-    let mut atlas = Atlas::on_triangulation(&split, &found.triangulation, found.form, None)?;
-    atlas.set_input_vertices(mesh.vertex_count());
-    origins.truncate(mesh.vertex_count());
-    let mut atlas = finish(atlas, origins, 0, found.distortion);
-    atlas.structure = Structure::Bounded { levels };
-    Ok(atlas)
+    let faces = triangulation.faces.iter().zip(&triangulation.lengths);
+    let (stretches, areas): (Vec<_>, Vec<_>) = faces
+        .zip(form.as_chunks::<3>().0)
+        .filter(|((corners, _), _)| !corners.iter().any(|v| zeros.contains(v)))
+        .map(|((_, &sides), &edges)| (stretch(sides, edges), area(sides)))
+        .unzip();
+    Distortion::of(&stretches, &areas)
 }
 
 /// The stereographic image from the vertex where the surface is flattest.
@@ -207,7 +340,7 @@ fn sphere(mesh: &TriangleMesh, origins: Vec<u32>) -> Result<SurfaceAtlas, Confor
 fn flattest_vertex(mesh: &TriangleMesh) -> u32 {
     let spread = |v: u32| {
         let faces = mesh.topology().outgoing(v).map(|h| mesh.face_normal(h / 3));
-        let (mut sum, mut lengths) = (nalgebra::Vector3::zeros(), 0.0);
+        let (mut sum, mut lengths) = (Vector3::zeros(), 0.0);
         for normal in faces {
             sum += normal;
             lengths += normal.norm();

@@ -8,7 +8,7 @@ use msplines_compare::case::Form;
 /// `msplines conformal`.
 #[derive(Debug, Args)]
 pub(crate) struct Conformal {
-    /// Mesh file: OBJ, OFF, PLY or STL. Closed of any genus, or of genus 0 with a boundary.
+    /// Mesh file: OBJ, OFF, PLY or STL. Of any genus, closed or with holes.
     pub(crate) input: PathBuf,
     /// File to write, more than one by repeating: .json for the atlas; .obj, .ply or .glb for the mesh
     /// with texture coordinates of corners, in which an image of 8 by 8 squares shows 40 along the

@@ -159,6 +159,24 @@ fn spheres_disks_and_annuli_have_atlases_too() {
     }
 }
 
+#[test]
+fn handles_with_holes_have_an_atlas_and_a_choice_of_forms() {
+    let workbench = workbench();
+    let line =
+        "conformal ring.ply --puncture 7 --form periods:1,0.3 -o a.json -o a.obj --report r.json";
+    workbench.expect(0, line);
+    let (atlas, record) = (workbench.json("a.json"), workbench.json("r.json"));
+    assert_eq!(
+        atlas["structure"],
+        serde_json::json!({ "kind": "filled", "cones": 1 })
+    );
+    assert_eq!(
+        (&record["checks"]["genus"], &record["checks"]["flips"]),
+        (&1.into(), &0.into())
+    );
+    assert_eq!(record["options"]["form"], "periods:1.0,0.3");
+}
+
 /// Every refusal names what is wrong, leaves nothing behind and says what to do.
 #[test]
 fn what_has_no_atlas_is_refused_with_a_remedy() {
@@ -184,7 +202,6 @@ fn what_has_no_atlas_is_refused_with_a_remedy() {
     let cases = [
         ("mesh.ply --form optimal", 4, "leave out --form"),
         ("open.ply --form periods:1,0", 4, "leave out --form"),
-        ("ring.ply --puncture 7", 4, "fill the holes"),
         ("apart.ply", 3, "keep the largest component"),
         ("ring.ply --form periods:1", 2, "2 classes"),
         ("ring.ply --form coefficients:0,0", 2, "at least one"),
