@@ -1,5 +1,6 @@
 //! The command line.
 
+mod conformal;
 mod solid;
 
 use std::path::PathBuf;
@@ -7,6 +8,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use msplines_compare::case::{Amount, Knots};
 
+pub(crate) use conformal::Conformal;
 pub(crate) use solid::{Deform, Map, SolidFit, Trivariate};
 
 /// Splines on triangle meshes of any shape.
@@ -65,6 +67,8 @@ pub(crate) enum Command {
     Edit(Edit),
     /// Add biharmonic B-splines on the same mesh.
     Combine(Combine),
+    /// Lay out a surface in the plane, keeping angles.
+    Conformal(Conformal),
 }
 
 /// `msplines info`.

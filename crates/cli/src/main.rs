@@ -12,6 +12,7 @@
 
 mod arguments;
 mod commands;
+mod conformal;
 mod info;
 mod interrupt;
 mod manifold;
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
             Command::Edit(edit) => commands::edit(edit, &session),
             Command::Combine(combine) => commands::combine(combine, &session),
             Command::Evaluate(evaluate) => commands::evaluate(evaluate, &session),
+            Command::Conformal(conformal) => conformal::run(conformal, &session),
             Command::Deform(deform) => commands::deform(deform, &session),
         }
     });

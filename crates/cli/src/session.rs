@@ -154,6 +154,18 @@ impl Session {
     }
 }
 
+/// What is said of an atlas; nothing of a spline.
+fn atlas_summary(record: &Record) -> String {
+    let check = |name: &str| record.number(&format!("checks.{name}"));
+    let names = ["genus", "zeros", "conformal_k_p50", "conformal_k_p99"].map(check);
+    let [Some(genus), Some(zeros), Some(median), Some(most)] = names else {
+        return String::new();
+    };
+    format!(
+        "genus {genus}, {zeros} zeros, angles distorted by {median:.4} in half of the surface, up to {most:.4} in 99 %; "
+    )
+}
+
 fn summary(record: &Record) -> String {
     let seconds = record.seconds.total;
     match &record.error {
@@ -164,6 +176,6 @@ fn summary(record: &Record) -> String {
             100.0 * error.max,
             error.scale
         ),
-        None => format!("done in {seconds:.2} s"),
+        None => format!("{}done in {seconds:.2} s", atlas_summary(record)),
     }
 }

@@ -1,5 +1,6 @@
 //! Why a run gives no result, and which exit code says so.
 
+mod conformal;
 mod solid;
 
 use std::path::PathBuf;
@@ -11,6 +12,7 @@ use msplines_common::mesh::TopologyError;
 use crate::animation::FrameError;
 use crate::case::AmountError;
 
+pub use conformal::AtlasError;
 pub use solid::TrivariateError;
 
 /// The exit codes of the program.
@@ -141,6 +143,9 @@ pub enum RunError {
     /// The trivariate spline failed.
     #[error(transparent)]
     Trivariate(#[from] TrivariateError),
+    /// The conformal atlas failed.
+    #[error(transparent)]
+    Atlas(#[from] AtlasError),
     /// The fitted or stored spline could not be evaluated.
     #[error(transparent)]
     Spline(#[from] SplineFileError),
@@ -175,6 +180,7 @@ impl RunError {
             Self::SparseManifold(error) => manifold_exit_code(error),
             Self::CurveNetwork(_) => exit::METHOD,
             Self::Trivariate(error) => error.exit_code(),
+            Self::Atlas(error) => error.exit_code(),
             Self::Task { .. }
             | Self::Biharmonic(FitError::CreaseAngle { .. } | FitError::WeightsWithL1)
             | Self::Combine(CombineError::Factor { .. })

@@ -72,7 +72,8 @@ pub(crate) fn fit(
         Method::SparseManifold(_)
         | Method::CurveNetwork(_)
         | Method::Chart(_)
-        | Method::Trivariate(_) => Err(RunError::Task {
+        | Method::Trivariate(_)
+        | Method::Conformal(_) => Err(RunError::Task {
             task: "spline over triangles",
             method: case.method.name(),
         }),

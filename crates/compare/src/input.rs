@@ -1,6 +1,7 @@
 //! From a file or a formula to a mesh that a method can take.
 
 mod knots;
+mod normals;
 pub(crate) mod solid;
 
 #[cfg(test)]
@@ -22,6 +23,7 @@ use crate::record::{InputFacts, InputKind};
 use crate::spline_file::{SplineFile, StoredDomain};
 
 pub use knots::{nearest_points, nearest_vertices};
+pub use normals::{VertexNormals, vertex_normals};
 pub use solid::holds_tetrahedra;
 
 /// A mesh with what is known about where it comes from.
@@ -114,6 +116,9 @@ pub fn load(input: &Input, clock: &mut PhaseClock) -> Result<LoadedInput, RunErr
             };
             let sha256 = sha256_file(path).map_err(|e| refused(unreadable(&e)))?;
             let soup = read_soup(path).map_err(|e| refused(e.to_string()))?;
+            if soup.face_count() == 0 && !soup.positions.is_empty() {
+                return Err(refused(only_points(soup.positions.len())));
+            }
             let kind = kind(&soup);
             clock.enter("preflight");
             let policy = if *repair {
@@ -417,6 +422,13 @@ pub fn file_name(path: &Path) -> String {
 #[must_use]
 pub fn unreadable(error: &std::io::Error) -> String {
     format!("cannot be read: {error}; give the path of a mesh file")
+}
+
+/// What is said about a file of points.
+fn only_points(count: usize) -> String {
+    format!(
+        "it holds {count} points and no faces; reconstruct a surface from them first, by screened Poisson or ball pivoting in MeshLab, Open3D or CGAL"
+    )
 }
 
 fn kind(soup: &PolygonSoup) -> InputKind {

@@ -7,6 +7,7 @@
 
 pub mod animation;
 mod arrays;
+pub mod atlas_file;
 pub mod campaign;
 pub mod case;
 pub mod clock;

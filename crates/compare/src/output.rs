@@ -70,6 +70,31 @@ pub fn write_outputs(
     names: &[String],
     fields: &[VertexAttribute],
 ) -> Result<(), RunError> {
+    for path in outputs {
+        if extension(path) == "json" {
+            write_atomically(path, |out| spline.write(out)).map_err(|e| RunError::Write {
+                path: path.clone(),
+                reason: e.to_string(),
+            })?;
+        } else {
+            write_values(path, mesh, values, names, fields)?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes values at the vertices of `mesh`, as an array or as a surface.
+fn write_values(
+    path: &Path,
+    mesh: &TriangleMesh,
+    values: &[f64],
+    names: &[String],
+    fields: &[VertexAttribute],
+) -> Result<(), RunError> {
+    if is_array(path) {
+        let shape = vec![values.len() / names.len(), names.len()];
+        return write_array(path, shape, values.to_vec());
+    }
     let are_positions = names == ["x", "y", "z"];
     let positions: Vec<Point3<f64>> = if are_positions {
         values.chunks_exact(3).map(Point3::from_slice).collect()
@@ -82,27 +107,16 @@ pub fn write_outputs(
         attributes(values, names)
     };
     attributes.extend_from_slice(fields);
-    for path in outputs {
-        let refused = |reason: String| RunError::Write {
-            path: path.clone(),
-            reason,
-        };
-        if extension(path) == "json" {
-            write_atomically(path, |out| spline.write(out)).map_err(|e| refused(e.to_string()))?;
-        } else if is_array(path) {
-            let shape = vec![values.len() / names.len(), names.len()];
-            write_array(path, shape, values.to_vec())?;
-        } else {
-            let surface = Surface {
-                positions: &positions,
-                faces: mesh.faces(),
-                attributes: &attributes,
-                ..Surface::default()
-            };
-            write_surface(path, &surface).map_err(|e| refused(e.to_string()))?;
-        }
-    }
-    Ok(())
+    let surface = Surface {
+        positions: &positions,
+        faces: mesh.faces(),
+        attributes: &attributes,
+        ..Surface::default()
+    };
+    write_surface(path, &surface).map_err(|e| RunError::Write {
+        path: path.to_owned(),
+        reason: e.to_string(),
+    })
 }
 
 /// Returns whether an output takes values alone.
@@ -125,10 +139,21 @@ pub(crate) fn write_array(
     })
 }
 
+/// Writes texture coordinates, a row of six numbers for every face.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(crate) fn write_texture(path: &Path, texture: &[[[f64; 2]; 3]]) -> Result<(), RunError> {
+    let values = texture.as_flattened().as_flattened().to_vec();
+    write_array(path, vec![texture.len(), 6], values)
+}
+
 /// File of a row that holds its surface, or its domain with the fitted data as attributes.
 pub const ROW_SURFACE: &str = "surface.ply";
 /// File of a row that holds the places of its knots or control vertices on the domain.
 pub const ROW_KNOTS: &str = "knots.ply";
+/// File of a row that holds the texture coordinates of its surface.
+pub(crate) const ROW_TEXTURE: &str = "texture.npy";
 
 /// Writes what pictures of a run are drawn from, and what later rows may start from, into
 /// `folder`.
@@ -141,15 +166,16 @@ pub fn write_row_files(folder: &Path, output: &RunOutput) -> Result<(), RunError
         reason,
     };
     std::fs::create_dir_all(folder).map_err(|e| refused(e.to_string()))?;
-    let surface = [folder.join(ROW_SURFACE)];
-    write_outputs(
-        &surface,
-        &output.spline,
+    write_values(
+        &folder.join(ROW_SURFACE),
         &output.mesh,
         &output.values,
         &output.names,
         &output.fields,
     )?;
+    if let Some(texture) = &output.texture {
+        write_texture(&folder.join(ROW_TEXTURE), texture)?;
+    }
     let points = Surface {
         positions: &output.knots,
         faces: &[],

@@ -17,7 +17,7 @@ pub struct Record {
     pub schema: String,
     /// The program that ran.
     pub tool: Tool,
-    /// `biharmonic`, `ls-mesh`, `sparse-manifold`, `curve-network`, `chart` or `trivariate`.
+    /// `biharmonic`, `ls-mesh`, `sparse-manifold`, `curve-network`, `chart`, `trivariate` or `conformal`.
     pub method: String,
     /// Facts of the input mesh.
     pub input: InputFacts,
@@ -25,7 +25,7 @@ pub struct Record {
     pub options: serde_json::Value,
     /// How the fit ended.
     pub outcome: Outcome,
-    /// Free real coefficients of the spline.
+    /// Free real coefficients of the spline; an atlas has none.
     pub dofs: u64,
     /// What the domain mesh costs beside them: positions in double precision and 32-bit indices.
     pub domain_bytes: u64,

@@ -5,7 +5,8 @@
 //! leave an ordinary mesh, because on them fewer triangles fold.
 //!
 //! # Reference
-//! [He2005] §3.3, steps 1 to 6 of the affine atlas.
+//! [He2005] Theorem 3, §3.3. Deviation: one flat mesh stands for all charts, as they differ by
+//! translations.
 
 use msplines_common::mesh::{FlipComplex, TriangleMesh};
 use msplines_common::operators::intrinsic::{

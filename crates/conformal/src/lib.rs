@@ -10,6 +10,7 @@ mod basis;
 mod choice;
 mod closed;
 mod descent;
+mod develop;
 mod error;
 mod extension;
 mod flat;

@@ -1,6 +1,7 @@
 //! The program as a person runs it: exit codes, messages and files.
 
 mod biharmonic;
+mod conformal;
 mod exit_codes;
 mod files;
 mod hostile;

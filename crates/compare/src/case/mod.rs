@@ -1,5 +1,6 @@
 //! What one run is asked to do, as plain data.
 
+mod conformal;
 mod edit;
 mod manifold;
 mod solid;
@@ -14,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::animation::Frames;
 use crate::generated::{ChartFunction, ControlShape, GeneratedSurface, NetworkShape, SolidShape};
 
+pub use conformal::{ConformalMethod, Form, FormError};
 pub use edit::{Edit, Move};
 pub use manifold::{ChartMethod, Creases, CurveNetworkMethod, Polygons, SparseManifoldMethod};
 pub use solid::{Cut, Filler, LatticeMove, SolidMap, TrivariateMethod};
@@ -47,7 +49,7 @@ pub struct Case {
     /// Another surface that the distance of the spline is measured to as well.
     pub reference: Option<PathBuf>,
     /// Files to write: surfaces (`.ply`, `.obj`, `.vtu`, `.glb`), values (`.npy`) and splines
-    /// (`.json`); of solids also cells (`.vtu`, `.hex.vtu`, `.msh`, `.mesh`) and G+Smo's `.xml`.
+    /// (`.json`); of atlases texture (`.npy`), not `.vtu`; of solids also cells (`.vtu`, `.hex.vtu`, `.msh`, `.mesh`) and G+Smo's `.xml`.
     pub outputs: Vec<PathBuf>,
     /// How a spline file names its domain.
     pub domain: DomainStorage,
@@ -97,7 +99,8 @@ impl Case {
             Method::LsMesh { .. }
             | Method::CurveNetwork(_)
             | Method::Chart(_)
-            | Method::Trivariate(_) => {}
+            | Method::Trivariate(_)
+            | Method::Conformal(_) => {}
         }
         if let Data::Array(values) = &mut self.data {
             data = Some(values);
@@ -206,6 +209,8 @@ pub enum Method {
     Chart(ChartMethod),
     /// Trivariate spline of a solid.
     Trivariate(Box<TrivariateMethod>),
+    /// Conformal atlas, which splines over surfaces live on.
+    Conformal(ConformalMethod),
 }
 
 impl Method {
@@ -240,6 +245,7 @@ impl Method {
             Self::CurveNetwork(_) => "curve-network",
             Self::Chart(_) => "chart",
             Self::Trivariate(_) => "trivariate",
+            Self::Conformal(_) => "conformal",
         }
     }
 }

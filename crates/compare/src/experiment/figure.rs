@@ -50,7 +50,7 @@ pub struct Panel {
     /// Share of the vertices whose numbers the colours span, all where absent: a field with
     /// singularities would be of one colour; only with [`Show::Field`] and numbers.
     pub span: Option<f64>,
-    /// Whether the knots or control vertices are drawn on top, as [`Show::Knots`] does.
+    /// Whether the knots, control vertices or zeros are drawn on top, as [`Show::Knots`] does.
     #[serde(default)]
     pub knots: bool,
     /// What stands below it; the label of the row where absent.
@@ -80,6 +80,8 @@ pub enum Show {
     Field,
     /// The surface that a sparse manifold approximates, shaded.
     Target,
+    /// A checkerboard on the surface of a conformal atlas.
+    Checkers,
 }
 
 impl Panel {

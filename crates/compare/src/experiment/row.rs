@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Printed, Recorded, RowFrames, RowManifold, RowNetwork, RowSolid};
 use crate::case::{
-    Amount, AmountError, Case, CaseCreases, ChartMethod, Data, Input, Knots, Method, Task, Weights,
+    Amount, AmountError, Case, CaseCreases, ChartMethod, ConformalMethod, Data, Input, Knots,
+    Method, Task, Weights,
 };
 use crate::generated::{ChartFunction, ControlShape, GeneratedSurface, NetworkShape, SolidShape};
 
@@ -42,6 +43,8 @@ pub struct Row {
     pub network: Option<RowNetwork>,
     /// Options of a trivariate spline.
     pub solid: Option<RowSolid>,
+    /// Options of a conformal atlas.
+    pub conformal: Option<ConformalMethod>,
     /// Frames of an animation, in place of one surface.
     pub over_time: Option<RowFrames>,
     /// How knots are chosen; the method's default where absent.
@@ -117,6 +120,8 @@ pub enum MethodName {
     Chart,
     /// Trivariate spline of a solid.
     Trivariate,
+    /// Conformal atlas.
+    Conformal,
 }
 
 impl MethodName {
@@ -130,6 +135,7 @@ impl MethodName {
             Self::CurveNetwork => "curve-network",
             Self::Chart => "chart",
             Self::Trivariate => "trivariate",
+            Self::Conformal => "conformal",
         }
     }
 
@@ -153,6 +159,7 @@ impl MethodName {
             Self::CurveNetwork => "surface over curves",
             Self::Chart => "single chart",
             Self::Trivariate => "trivariate spline",
+            Self::Conformal => "conformal atlas",
         }
     }
 }
@@ -217,7 +224,8 @@ impl Row {
             MethodName::SparseManifold
             | MethodName::CurveNetwork
             | MethodName::Chart
-            | MethodName::Trivariate => {
+            | MethodName::Trivariate
+            | MethodName::Conformal => {
                 let given = self.knots.is_some() || self.knots_from.is_some();
                 let title = self.method.title();
                 return given.then(|| format!("a {title} has no knots; leave them out"));
@@ -251,6 +259,9 @@ impl Row {
         }
         if self.solid.is_some() && self.method != MethodName::Trivariate {
             return Some("`solid` goes with trivariate splines; leave it out");
+        }
+        if self.conformal.is_some() && self.method != MethodName::Conformal {
+            return Some("`conformal` goes with conformal atlases; leave it out");
         }
         None
     }
@@ -349,6 +360,9 @@ impl Row {
             (MethodName::Trivariate, _) => {
                 let options = self.solid.clone().unwrap_or_default();
                 Method::Trivariate(Box::new(options.method()))
+            }
+            (MethodName::Conformal, _) => {
+                Method::Conformal(self.conformal.clone().unwrap_or_default())
             }
         };
         if let Method::Biharmonic(method) = &mut method {

@@ -45,6 +45,8 @@ pub enum GeneratedSurface {
     BumpySphere1m,
     /// The same with 8,000 vertices of an irregular mesh.
     BumpySphereIrregular,
+    /// A torus of about 5,000 vertices, its tube two fifths of its ring.
+    Torus,
     /// A tube around a torus knot, genus 1.
     TorusKnot,
     /// A surface with two handles.
@@ -63,7 +65,7 @@ pub enum GeneratedSurface {
 
 impl GeneratedSurface {
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::BumpySphere,
         Self::BumpySphere5k,
         Self::BumpySphere500,
@@ -77,6 +79,7 @@ impl GeneratedSurface {
         Self::Nut,
         Self::BumpySphere100k,
         Self::BumpySphere1m,
+        Self::Torus,
     ];
 
     /// Returns the name in experiments and records.
@@ -89,6 +92,7 @@ impl GeneratedSurface {
             Self::BumpySphere100k => "bumpy-sphere-100k",
             Self::BumpySphere1m => "bumpy-sphere-1m",
             Self::BumpySphereIrregular => "bumpy-sphere-irregular",
+            Self::Torus => "torus",
             Self::TorusKnot => "torus-knot",
             Self::Genus2 => "genus-2",
             Self::Genus3 => "genus-3",
@@ -109,6 +113,7 @@ impl GeneratedSurface {
             Self::BumpySphere100k => shapes::bumpy_sphere(100_000),
             Self::BumpySphere1m => shapes::bumpy_sphere(1_000_000),
             Self::BumpySphereIrregular => irregular(&shapes::bumpy_sphere(2 * VERTICES), 8_000),
+            Self::Torus => shapes::torus(1.0, 0.4, 5_000),
             Self::TorusKnot => shapes::torus_knot(2, 3, VERTICES),
             Self::Genus2 => shapes::genus(2, VERTICES),
             Self::Genus3 => shapes::genus(3, VERTICES),
@@ -146,7 +151,7 @@ impl FromStr for GeneratedSurface {
 /// No surface of this name can be generated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no surface `{name}`; there are bumpy-sphere (also -500, -5k, -100k, -1m, -irregular), torus-knot, genus-2, genus-3, genus-8, sphere, vase and nut"
+    "no surface `{name}`; there are bumpy-sphere (also -500, -5k, -100k, -1m, -irregular), torus, torus-knot, genus-2, genus-3, genus-8, sphere, vase and nut"
 )]
 pub struct UnknownSurface {
     /// The name.

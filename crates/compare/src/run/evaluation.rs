@@ -115,13 +115,14 @@ pub fn evaluate(
     Ok(RunOutput {
         record,
         knots: spline.spline.knot_places(&input.mesh),
-        spline,
+        spline: Some(spline),
         mesh,
         values,
         names,
         fields: Vec::new(),
         frames: Vec::new(),
         companions: Vec::new(),
+        texture: None,
     })
 }
 

@@ -1,5 +1,6 @@
 //! One run: read, fit, evaluate what is stored, measure it, write it, and record it all.
 
+mod conformal;
 mod edits;
 mod evaluation;
 mod frames;
@@ -28,6 +29,7 @@ use crate::output::{check_outputs, write_outputs};
 use crate::record::Record;
 use crate::spline_file::{SplineFile, StoredDomain, StoredMesh};
 
+pub(crate) use conformal::CHECKERS;
 pub use edits::Shift;
 pub use evaluation::{Evaluation, evaluate};
 pub use frames::ShownFrame;
@@ -39,8 +41,8 @@ pub(crate) use manifold::creases_file;
 pub struct RunOutput {
     /// The record, complete but for files that the caller writes.
     pub record: Record,
-    /// The spline in its stored form.
-    pub spline: SplineFile,
+    /// The spline in its stored form; none of an atlas.
+    pub spline: Option<SplineFile>,
     /// The mesh at whose vertices the spline was evaluated.
     pub mesh: TriangleMesh,
     /// Values of the spline there, `[vertex][component]`, as evaluated from the stored form.
@@ -49,12 +51,14 @@ pub struct RunOutput {
     pub names: Vec<String>,
     /// Further numbers at the vertices of the mesh, for pictures.
     pub fields: Vec<VertexAttribute>,
-    /// Places of the knots or control vertices on the domain.
+    /// Places of the knots or control vertices on the domain, or of the zeros of an atlas.
     pub knots: Vec<Point3<f64>>,
     /// Frames of an animation that pictures show; the spline and its values are those of the last.
     pub frames: Vec<ShownFrame>,
     /// Further surfaces that pictures show.
     pub companions: Vec<Companion>,
+    /// Texture coordinates of the corners of every face of the mesh, where the result is an atlas.
+    pub texture: Option<Vec<[[f64; 2]; 3]>>,
 }
 
 /// Runs a case and writes its outputs.
@@ -119,13 +123,14 @@ pub fn run(
     Ok(RunOutput {
         record,
         knots: spline.spline.knot_places(&input.mesh),
-        spline,
+        spline: Some(spline),
         mesh,
         values,
         names: data.names,
         fields: produced.fields,
         frames: Vec::new(),
         companions: Vec::new(),
+        texture: None,
     })
 }
 
@@ -135,7 +140,8 @@ fn asked(
     clock: &mut PhaseClock,
     observer: &mut Observer<'_>,
 ) -> Option<Result<RunOutput, RunError>> {
-    if let Some(output) = solid::asked(case, clock, observer) {
+    let own = solid::asked(case, clock, observer);
+    if let Some(output) = own.or_else(|| conformal::asked(case, clock, observer)) {
         return Some(output);
     }
     if let Err(error) = check_outputs(&case.outputs) {

@@ -56,7 +56,8 @@ impl SharedSpace {
             Method::SparseManifold(_)
             | Method::CurveNetwork(_)
             | Method::Chart(_)
-            | Method::Trivariate(_) => Err(RunError::Task {
+            | Method::Trivariate(_)
+            | Method::Conformal(_) => Err(RunError::Task {
                 task: "data over time",
                 method: case.method.name(),
             }),

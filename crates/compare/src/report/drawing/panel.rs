@@ -12,6 +12,7 @@ use super::source::Source;
 use super::values::{SplitFaces, Subject, Values};
 use super::{DrawingOptions, Views};
 use crate::experiment::{Callout as Part, Corner as PartCorner, Edges, Panel, Show, UpAxis};
+use crate::run::CHECKERS;
 
 /// Pieces of edges in a view that can be turned, at most.
 const TURNED_EDGES: usize = 60_000;
@@ -27,6 +28,8 @@ const KNOT_RADII: [f64; 2] = [2.5, 7.0];
 const KNOT_SHARE: f64 = 130.0;
 /// Colour of edges on a mesh.
 const EDGE: Rgb = Rgb::new(92, 98, 108);
+/// Colours of the squares of a checkerboard.
+const SQUARES: [Rgb; 2] = [Rgb::new(244, 241, 234), Rgb::new(64, 104, 150)];
 /// Pixels of the corner per pixel of a magnified part.
 const MAGNIFICATION: usize = 3;
 /// What numbers are painted with where their scale is not known: all errors are zero, which is good,
@@ -70,15 +73,16 @@ pub(super) fn draw(
     let fitted = (panel.show == Show::Error).then(|| fitted_input(source));
     let mesh = match (panel.show, &fitted) {
         (_, Some(fitted)) => fitted,
-        (Show::Spline, None) => &source.spline,
+        (Show::Spline | Show::Checkers, None) => &source.spline,
         (Show::Field, None) => source.shown(panel.on.unwrap_or_default())?.0,
         (Show::Target, None) => &source.target()?.0,
         (Show::Input | Show::Knots | Show::Error, None) => framed(panel, source),
     };
     let stage = stage(panel, subject, mesh, scale);
     let image = still(&stage, panel, options.pixels).map_err(|e| e.to_string())?;
-    let payload =
-        (options.views == Views::Turnable).then(|| turnable(&stage, source, options.pixels));
+    // Views that can be turned have colours of vertices only.
+    let is_turnable = options.views == Views::Turnable && panel.show != Show::Checkers;
+    let payload = is_turnable.then(|| turnable(&stage, source, options.pixels));
     Ok(Picture { image, payload })
 }
 
@@ -87,7 +91,9 @@ pub(super) fn draw(
 fn framed<'a>(panel: &Panel, source: &'a Source) -> &'a TriangleMesh {
     match panel.show {
         Show::Knots => source.input(),
-        Show::Input | Show::Spline | Show::Error | Show::Field | Show::Target => source.original(),
+        Show::Input | Show::Spline | Show::Error | Show::Field | Show::Target | Show::Checkers => {
+            source.original()
+        }
     }
 }
 
@@ -112,7 +118,7 @@ fn stage<'a>(
         Show::Spline => source.lines().map(|[_, spline]| spline),
         Show::Field => source.field_lines(panel.on.unwrap_or_default()),
         Show::Target => source.target().ok().map(|target| &target.1),
-        Show::Error | Show::Knots => None,
+        Show::Error | Show::Knots | Show::Checkers => None,
     };
     let edges = match (panel.edges, panel.show) {
         (Edges::None, _) => Vec::new(),
@@ -123,14 +129,14 @@ fn stage<'a>(
     let creases = lines.filter(|_| panel.edges == Edges::Domain);
     let creases = creases.map_or_else(Vec::new, |lines| lines.creases.clone());
     let facets = match panel.show {
-        Show::Spline | Show::Target => false,
+        Show::Spline | Show::Target | Show::Checkers => false,
         Show::Field => lines.is_none(),
         Show::Input | Show::Knots | Show::Error => true,
     };
     // The images of edges come in pieces.
     let pieces = match panel.show {
         Show::Spline | Show::Field => source.pieces_per_edge(),
-        Show::Input | Show::Knots | Show::Error | Show::Target => 1.0,
+        Show::Input | Show::Knots | Show::Error | Show::Target | Show::Checkers => 1.0,
     };
     let count = edges.len() as f64 / pieces;
     let [thinnest, thickest] = EDGE_WIDTHS;
@@ -173,6 +179,14 @@ fn paint<'a>(values: &'a Values, scale: Option<&ColourScale>) -> (Paint<'a>, Vec
     match values {
         Values::Bare => (Paint::Uniform(Rgb::CLAY), Vec::new()),
         Values::Colours(colours) => (Paint::Colours(colours), colours.clone()),
+        Values::Checkers(corners) => (
+            Paint::Checkers {
+                corners,
+                squares: CHECKERS,
+                colours: SQUARES,
+            },
+            Vec::new(),
+        ),
         Values::Cells { colours, split } => (Paint::FaceColours(&split.colours), colours.clone()),
         Values::Scalars { values, .. } => {
             let scale = scale.copied().unwrap_or(UNKNOWN);

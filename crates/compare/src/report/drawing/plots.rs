@@ -88,6 +88,7 @@ fn series(rows: &[&RowReport], axes: [Axis; 2]) -> Vec<Line> {
         MethodName::CurveNetwork,
         MethodName::Chart,
         MethodName::Trivariate,
+        MethodName::Conformal,
     ] {
         for row in rows.iter().filter(|row| row.row.method == method) {
             let record = row.result.record();

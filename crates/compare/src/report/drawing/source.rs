@@ -1,11 +1,12 @@
 //! What the pictures of a row are drawn from.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock};
 
 use msplines_common::Point3;
 use msplines_common::mesh::{Decimated, TriangleMesh, VertexAttribute, decimate, edge_pieces};
-use msplines_io::read_points;
+use msplines_io::{read_npy, read_points};
 use msplines_picture::{Rgb, edges};
 
 use super::companions::{Companions, Lines, SolidSurfaces};
@@ -15,7 +16,7 @@ use crate::case::Input;
 use crate::clock::PhaseClock;
 use crate::experiment::{FieldSurface, MethodName, RowData, ViewHint};
 use crate::input::{FitData, LoadedInput, fit_data, load, read_surface};
-use crate::output::{ROW_KNOTS, ROW_SURFACE};
+use crate::output::{ROW_KNOTS, ROW_SURFACE, ROW_TEXTURE};
 
 /// Larger meshes get lighter ones to turn.
 const LIGHT_ENOUGH: usize = 24_000;
@@ -28,6 +29,9 @@ const NO_DATA: &str = "control vertices have no data; show the field `distance_t
 /// Why errors of a solid are shown on its input only.
 const NO_VERTICES: &str =
     "a solid has no vertices of its input; show the field `error` on the input instead";
+
+/// Why an atlas has no errors.
+const NO_SPLINE: &str = "an atlas is no fit and has no errors; show `checkers` instead";
 
 /// A domain that is loaded by whoever asks first.
 type Loading = Arc<OnceLock<Result<Arc<Domain>, String>>>;
@@ -103,6 +107,8 @@ pub(super) struct Source {
     companions: Option<Companions>,
     /// Surfaces beside the spline of a solid.
     solid: Option<SolidSurfaces>,
+    /// Texture coordinates of the corners of every face of the stored surface of an atlas.
+    texture: Option<Vec<[[f64; 2]; 3]>>,
     /// Rounds of subdivision from the input to the spline.
     rounds: u32,
     /// Where it is seen from.
@@ -138,6 +144,7 @@ impl Source {
                 .is_none_or(|m| m.scan.is_none());
         let companions = has_charts.then(|| Companions::load(files)).transpose()?;
         let is_solid = report.row.method == MethodName::Trivariate;
+        let is_atlas = report.row.method == MethodName::Conformal;
         let solid = is_solid.then(|| SolidSurfaces::load(files)).transpose()?;
         let domain = match (&companions, &solid) {
             (Some(companions), _) if has_own_input => {
@@ -160,17 +167,21 @@ impl Source {
             MethodName::SparseManifold | MethodName::CurveNetwork | MethodName::Trivariate => {
                 Vec::new()
             }
+            // A form without zeros leaves no file.
+            MethodName::Conformal => knots.unwrap_or_default(),
             _ => knots.map_err(|e| e.to_string())?,
         };
         Ok(Self {
             fitted: match &frame {
                 None if has_charts => Err(NO_DATA.to_owned()),
                 None if is_solid => Err(NO_VERTICES.to_owned()),
+                None if is_atlas => Err(NO_SPLINE.to_owned()),
                 Some(original) => Ok(Fitted::of_frame(original, &spline, &domain.loaded)),
                 None => Fitted::of(report.row.data, &domain.loaded, &spline, &attributes),
             },
             companions,
             solid,
+            texture: is_atlas.then(|| texture(files)).transpose()?,
             frame,
             spline,
             attributes,
@@ -216,6 +227,12 @@ impl Source {
         })
     }
 
+    /// Returns the texture coordinates of the corners of every face of the stored surface.
+    pub(super) fn texture(&self) -> Result<&[[[f64; 2]; 3]], String> {
+        let texture = self.texture.as_deref();
+        texture.ok_or_else(|| "its run left no texture; only conformal atlases have one".to_owned())
+    }
+
     /// Returns the surface that is approximated and the lines on it.
     pub(super) fn target(&self) -> Result<&(TriangleMesh, Lines), String> {
         let companions = self.companions.as_ref();
@@ -257,6 +274,15 @@ impl Source {
             edges(faces)
         }
     }
+}
+
+/// Returns the texture coordinates in the folder of a row.
+fn texture(files: &Path) -> Result<Vec<[[f64; 2]; 3]>, String> {
+    let array = read_npy(&files.join(ROW_TEXTURE)).map_err(|e| e.to_string())?;
+    let faces = array.values.as_chunks::<6>().0.iter();
+    Ok(faces
+        .map(|&[a, b, c, d, e, f]| [[a, b], [c, d], [e, f]])
+        .collect())
 }
 
 fn missing() -> String {

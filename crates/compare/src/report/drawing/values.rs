@@ -28,6 +28,8 @@ pub(super) enum Values {
     Scalars { values: Vec<f64>, measure: Measure },
     /// Colours.
     Colours(Vec<Rgb>),
+    /// A checkerboard, by the texture coordinates of the corners of each face.
+    Checkers(Vec<[[f64; 2]; 3]>),
     /// Colours of the cell of each vertex, and the faces cut along their borders.
     Cells {
         colours: Vec<Rgb>,
@@ -82,6 +84,7 @@ impl<'a> Subject<'a> {
             }),
             Show::Knots | Show::Target => Ok(Values::Bare),
             Show::Field => field(panel, source),
+            Show::Checkers => Ok(Values::Checkers(source.texture()?.to_vec())),
         };
         Ok(Self {
             source,

@@ -240,13 +240,14 @@ fn finish(
     Ok(RunOutput {
         record,
         knots: spline.spline.knot_places(&input.mesh),
-        spline,
+        spline: Some(spline),
         mesh,
         values,
         names,
         fields: Vec::new(),
         frames: if are_positions { frames } else { Vec::new() },
         companions: Vec::new(),
+        texture: None,
     })
 }
 

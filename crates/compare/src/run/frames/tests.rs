@@ -106,7 +106,8 @@ fn a_frame_has_the_spline_of_a_fit_of_its_own() {
             .expect("a space")
             .fit(values, &mut unobserved())
             .expect("a fit");
-        assert_eq!(output.spline.spline, fitted.stored);
+        let spline = output.spline.expect("a spline");
+        assert_eq!(spline.spline, fitted.stored);
     }
 }
 
@@ -123,7 +124,9 @@ fn all_frames_are_evaluated_with_one_factor() {
     let factor: *const _ = space.poisson().expect("a factor");
     for frame in [20, 70] {
         let output = done(&case(biharmonic(), FrameChoice::List(vec![frame])));
-        let crate::spline_file::StoredSpline::Biharmonic(stored) = output.spline.spline else {
+        let crate::spline_file::StoredSpline::Biharmonic(stored) =
+            output.spline.expect("a spline").spline
+        else {
             panic!("another method");
         };
         let spline = stored.restore_in(&space).expect("the same mesh");

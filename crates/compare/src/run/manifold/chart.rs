@@ -87,13 +87,14 @@ pub(in crate::run) fn run(
     Ok(RunOutput {
         record,
         companions: domain.companions(&dense.truth),
-        spline,
+        spline: Some(spline),
         mesh,
         values,
         names,
         fields,
         knots: sampled.places(chart.star()),
         frames: Vec::new(),
+        texture: None,
     })
 }
 

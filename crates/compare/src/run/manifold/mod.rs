@@ -60,7 +60,10 @@ pub(super) fn asked(
         Method::SparseManifold(method) => Some(run(case, method, clock, observer)),
         Method::CurveNetwork(method) => Some(network::run(case, method, clock, observer)),
         Method::Chart(method) => Some(chart::run(case, method, clock, observer)),
-        Method::Biharmonic(_) | Method::LsMesh { .. } | Method::Trivariate(_) => None,
+        Method::Biharmonic(_)
+        | Method::LsMesh { .. }
+        | Method::Trivariate(_)
+        | Method::Conformal(_) => None,
     }
 }
 
@@ -115,13 +118,14 @@ fn run(
     Ok(RunOutput {
         record,
         companions: companions(&problem, &stored, &mesh, method),
-        spline,
+        spline: Some(spline),
         mesh,
         values,
         names: names.to_vec(),
         fields,
         knots: Vec::new(),
         frames: Vec::new(),
+        texture: None,
     })
 }
 
@@ -195,13 +199,14 @@ pub(super) fn evaluate(
     Ok(RunOutput {
         record,
         companions: Vec::new(),
-        spline,
+        spline: Some(spline),
         mesh: triangles,
         values,
         names,
         fields: Vec::new(),
         knots: Vec::new(),
         frames: Vec::new(),
+        texture: None,
     })
 }
 

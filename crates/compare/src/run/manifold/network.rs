@@ -92,13 +92,14 @@ pub(in crate::run) fn run(
     Ok(RunOutput {
         record,
         companions: companions(&loaded, &fit.domain, cells),
-        spline,
+        spline: Some(spline),
         mesh: tessellated,
         values,
         names,
         fields,
         knots: Vec::new(),
         frames: Vec::new(),
+        texture: None,
     })
 }
 

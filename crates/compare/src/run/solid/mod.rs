@@ -300,7 +300,7 @@ fn output(
 ) -> RunOutput {
     RunOutput {
         record,
-        spline,
+        spline: Some(spline),
         values: coordinates(&mesh),
         mesh,
         names: ["x", "y", "z"].map(str::to_owned).to_vec(),
@@ -308,5 +308,6 @@ fn output(
         knots: Vec::new(),
         frames: Vec::new(),
         companions,
+        texture: None,
     }
 }
