@@ -78,6 +78,16 @@ pub enum EvaluateError {
         /// The vertex.
         vertex: u32,
     },
+    /// A point of a face that lies in a hole of the surface.
+    #[error(
+        "point {point} lies on face {face}, over which the surface has a hole; fill the holes, or ask for points beside them"
+    )]
+    InHole {
+        /// Index into the points asked for.
+        point: usize,
+        /// Face the point names.
+        face: u32,
+    },
     /// A parameter of a solid that is not finite or outside of the unit cube.
     #[error("point {point} is no parameter of the unit cube; give three numbers from 0 to 1")]
     OutsideCube {

@@ -37,6 +37,7 @@ mod fit;
 mod normals;
 mod options;
 mod spline;
+pub mod surface;
 #[cfg(test)]
 mod tests;
 mod triangles;
@@ -48,4 +49,7 @@ pub use fit::{Fit, Report, VertexCondition, Warning, fit};
 pub use normals::estimate_normals;
 pub use options::{Fairness, Options, Orientation};
 pub use spline::{Basis, PowellSabinSpline, Tessellation};
+pub use surface::{
+    Fill, PowellSabinSurface, SurfaceError, SurfaceFit, SurfaceOptions, fit_surface,
+};
 pub use triangles::{PowellSabinTriangle, powell_sabin_triangles};

@@ -50,7 +50,7 @@ impl VertexCondition {
     }
 
     /// Returns the position, where there is one.
-    pub(super) fn position(&self) -> Option<Point3<f64>> {
+    pub(crate) fn position(&self) -> Option<Point3<f64>> {
         match *self {
             Self::Interpolate { position, .. }
             | Self::Position { position }
@@ -59,7 +59,7 @@ impl VertexCondition {
         }
     }
 
-    fn check(&self, vertex: u32) -> Result<(), FitError> {
+    pub(crate) fn check(&self, vertex: u32) -> Result<(), FitError> {
         let finite = |v: &Vector3<f64>| v.iter().all(|c| c.abs() < LARGEST);
         let good = match self {
             Self::Fixed { gradient, .. } => gradient.iter().all(finite),

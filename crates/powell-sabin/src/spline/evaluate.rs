@@ -2,7 +2,7 @@
 
 use msplines_common::Vector3;
 use msplines_common::evaluate::{Domain, EvaluateError, Evaluator, Order, Samples, SurfaceSpline};
-use msplines_common::mesh::SurfacePoint;
+use msplines_common::mesh::{SurfacePoint, TriangleMesh};
 use rayon::prelude::*;
 
 use super::PowellSabinSpline;
@@ -13,7 +13,7 @@ use crate::error::SplineError;
 const BARYCENTRIC_TOLERANCE: f64 = 1e-9;
 
 /// Points that one task evaluates.
-const POINTS_PER_TASK: usize = 1024;
+pub(crate) const POINTS_PER_TASK: usize = 1024;
 
 /// Value, first and second derivatives of one component by the flat coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,7 +45,7 @@ impl PowellSabinSpline {
         points: &[SurfacePoint],
         order: Order,
     ) -> Result<Samples, EvaluateError> {
-        self.check_points(points)?;
+        check_points(self.domain.mesh(), points)?;
         let mut out = Samples::default();
         self.evaluate_into(points, order, Coordinates::Flat, &mut out);
         Ok(out)
@@ -115,7 +115,8 @@ impl PowellSabinSpline {
                     let first = jets.len();
                     jets.extend((0..d).map(|c| self.jet(point, c, order)));
                     if coordinates == Coordinates::Frame && order > Order::Value {
-                        let change = self.flat_by_frame(point.face);
+                        let edges = self.macro_triangle(point.face).edges();
+                        let change = flat_by_frame(self.domain.mesh(), point.face, edges);
                         jets[first..]
                             .iter_mut()
                             .for_each(|jet| *jet = jet.changed(change));
@@ -135,58 +136,58 @@ impl PowellSabinSpline {
             }
         }
     }
+}
 
-    /// Returns the derivatives of `u` and `v` by the two coordinates of the frame of a face:
-    /// `[[u_a, v_a], [u_b, v_b]]`.
-    fn flat_by_frame(&self, face: u32) -> [[f64; 2]; 2] {
-        let mesh = self.domain.mesh();
-        let [along, across] = mesh.face_frame(face);
-        let [a, b, c] = mesh.triangle(face);
-        let first = (b - a).dot(&along);
-        let (x, y) = ((c - a).dot(&along), (c - a).dot(&across));
-        let h = 3 * face as usize;
-        let (e, last) = (
-            self.domain.edge_vectors()[h],
-            self.domain.edge_vectors()[h + 2],
-        );
-        let by_a = e.map(|e| e / first);
-        let by_b = [0, 1].map(|i| (-last[i] - x * by_a[i]) / y);
-        [by_a, by_b]
-    }
+/// Returns the derivatives of `u` and `v` by the two coordinates of the frame of a face, from the flat
+/// vectors of its sides: `[[u_a, v_a], [u_b, v_b]]`.
+pub(crate) fn flat_by_frame(mesh: &TriangleMesh, face: u32, edges: [[f64; 2]; 3]) -> [[f64; 2]; 2] {
+    let [along, across] = mesh.face_frame(face);
+    let [a, b, c] = mesh.triangle(face);
+    let first = (b - a).dot(&along);
+    let (x, y) = ((c - a).dot(&along), (c - a).dot(&across));
+    let by_a = edges[0].map(|e| e / first);
+    let by_b = [0, 1].map(|i| (-edges[2][i] - x * by_a[i]) / y);
+    [by_a, by_b]
+}
 
-    fn check_points(&self, points: &[SurfacePoint]) -> Result<(), EvaluateError> {
-        let faces = self.domain.mesh().face_count();
-        for (point, &SurfacePoint { face, at }) in points.iter().enumerate() {
-            if face as usize >= faces {
-                return Err(EvaluateError::NoSuchFace { point, face, faces });
-            }
-            let inside = at
-                .iter()
-                .all(|c| c.is_finite() && *c >= -BARYCENTRIC_TOLERANCE);
-            if !inside || (at.iter().sum::<f64>() - 1.0).abs() > BARYCENTRIC_TOLERANCE {
-                return Err(EvaluateError::OutsideFace { point, face });
-            }
+/// Checks that points lie on faces of a mesh.
+pub(crate) fn check_points(
+    mesh: &TriangleMesh,
+    points: &[SurfacePoint],
+) -> Result<(), EvaluateError> {
+    let faces = mesh.face_count();
+    for (point, &SurfacePoint { face, at }) in points.iter().enumerate() {
+        if face as usize >= faces {
+            return Err(EvaluateError::NoSuchFace { point, face, faces });
         }
-        Ok(())
+        let inside = at
+            .iter()
+            .all(|c| c.is_finite() && *c >= -BARYCENTRIC_TOLERANCE);
+        if !inside || (at.iter().sum::<f64>() - 1.0).abs() > BARYCENTRIC_TOLERANCE {
+            return Err(EvaluateError::OutsideFace { point, face });
+        }
     }
+    Ok(())
+}
 
-    /// Checks that the faces of points have a frame.
-    fn check_frames(&self, points: &[SurfacePoint]) -> Result<(), EvaluateError> {
-        let mesh = self.domain.mesh();
-        let flat = |p: &&SurfacePoint| {
-            let [a, b, c] = mesh.triangle(p.face);
-            let longest = (b - a).norm_squared().max((c - a).norm_squared());
-            mesh.face_normal(p.face).norm() <= f64::EPSILON * longest
-        };
-        points.iter().find(flat).map_or(Ok(()), |p| {
-            Err(EvaluateError::Unsolvable {
-                reason: format!(
-                    "face {} of the mesh has no area, so that it has no frame; ask for derivatives by flat coordinates",
-                    p.face
-                ),
-            })
+/// Checks that the faces of points have a frame.
+pub(crate) fn check_frames(
+    mesh: &TriangleMesh,
+    points: &[SurfacePoint],
+) -> Result<(), EvaluateError> {
+    let flat = |p: &&SurfacePoint| {
+        let [a, b, c] = mesh.triangle(p.face);
+        let longest = (b - a).norm_squared().max((c - a).norm_squared());
+        mesh.face_normal(p.face).norm() <= f64::EPSILON * longest
+    };
+    points.iter().find(flat).map_or(Ok(()), |p| {
+        Err(EvaluateError::Unsolvable {
+            reason: format!(
+                "face {} of the mesh has no area, so that it has no frame; ask for derivatives by flat coordinates",
+                p.face
+            ),
         })
-    }
+    })
 }
 
 /// Returns the unit normal of six derivatives `[u, v][component]`, if they span a plane.
@@ -224,9 +225,9 @@ impl SurfaceSpline for PowellSabinSpline {
         points: &[SurfacePoint],
         order: Order,
     ) -> Result<Box<dyn Evaluator + '_>, EvaluateError> {
-        self.check_points(points)?;
+        check_points(self.domain.mesh(), points)?;
         if order > Order::Value {
-            self.check_frames(points)?;
+            check_frames(self.domain.mesh(), points)?;
         }
         Ok(Box::new(Prepared {
             spline: self,

@@ -44,14 +44,14 @@ impl PowellSabinSpline {
 }
 
 /// The points of a tessellation: vertices, then those inside of edges, then those inside of faces.
-struct Lattice<'a> {
+pub(crate) struct Lattice<'a> {
     topology: &'a Topology,
     segments: u32,
-    points: Vec<SurfacePoint>,
+    pub(crate) points: Vec<SurfacePoint>,
 }
 
 impl<'a> Lattice<'a> {
-    fn new(topology: &'a Topology, segments: u32) -> Self {
+    pub(crate) fn new(topology: &'a Topology, segments: u32) -> Self {
         let mut points = Vec::new();
         let mut push = |face: u32, counts: [u32; 3]| {
             let at = counts.map(|c| f64::from(c) / f64::from(segments));
@@ -111,7 +111,7 @@ impl<'a> Lattice<'a> {
         faces + face * per_face + before + counts[2] - 1
     }
 
-    fn faces(&self, count: u32) -> Vec<[u32; 3]> {
+    pub(crate) fn faces(&self, count: u32) -> Vec<[u32; 3]> {
         let n = self.segments;
         let mut faces = Vec::with_capacity((count * n * n) as usize);
         for face in 0..count {

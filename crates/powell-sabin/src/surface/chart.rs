@@ -1,0 +1,572 @@
+//! The chart around a zero of the form, in which it is a regular point.
+//!
+//! # Notation
+//! `ζ = z - z0`, `n = m + 1` for a zero of order `m` and `-1` for a double pole; `w = ζ^(1 / n)`. Angles of
+//! `ζ` are continued from vertex to vertex, so that all `n` sheets are told apart.
+//!
+//! On a face the map is exact outside of the hole: from any corner, `w = w_0 (ζ / ζ_0)^(1 / n)` with the
+//! principal root, as no face contains `z0`. Inside of the hole it is linear, but for faces along the
+//! rim: there a side from `a` to `b` follows the curve `q(t) = w(z)` of its straight counterpart, by
+//!
+//! ```text
+//! w = b0 w0 + b1 wa + b2 wb + b1 b2 ε((1 + b2 - b1) / 2),     ε(t) = (q(t) - (1 - t) wa - t wb) / (t (1 - t))
+//! ```
+//!
+//! in which `ε` is written so that nothing cancels: with `c = z_b - z_a` and the sums `h_k` of all
+//! products of `k` factors, `ε = c (wb - wa) h_(n-2)(wa, q, wb) / (h_(n-1)(wa, q) h_(n-1)(q, wb))`, and
+//! `ε = -c² wa q wb` for the pole.
+//!
+//! # Reference
+//! [He2005] §3.3, which cuts zeros out; the chart `z^(1 / (m + 1))` is the standard one of a zero.
+
+use msplines_common::mesh::{NONE, Topology, TriangleMesh};
+use msplines_conformal::Zero;
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::error::NoSmoothCap;
+use super::jet::PlaneJet;
+use super::part::Part;
+use crate::vector::cross;
+
+/// Rounds in which the place of the zero is found.
+const UPDATES: usize = 4;
+
+/// How far `z` may miss closing around a face of the disk, relative to its side: a period is far more,
+/// rounding far less.
+const CLOSED: f64 = 1e-6;
+
+/// The chart over a hole and the rings of faces around it.
+#[derive(Clone, Debug)]
+pub(super) struct Chart {
+    /// `n`.
+    pub(super) power: i32,
+    pub(super) part: Part,
+    pub(super) mesh: TriangleMesh,
+    pub(super) z0: Complex<f64>,
+    /// By vertex of the part; nothing meaningful at a pole.
+    pub(super) z: Vec<Complex<f64>>,
+    /// By vertex of the part.
+    pub(super) w: Vec<Complex<f64>>,
+    /// Whether a face of the part was cut out.
+    pub(super) removed: Vec<bool>,
+    pub(super) rings: u32,
+}
+
+fn complex([re, im]: [f64; 2]) -> Complex<f64> {
+    Complex::new(re, im)
+}
+
+impl Chart {
+    /// Returns the chart over so many rings of faces around a hole; faces of other holes stay out.
+    pub(super) fn build(
+        mesh: &TriangleMesh,
+        form: &[[f64; 2]],
+        in_hole: impl Fn(u32) -> bool,
+        zero: &Zero,
+        rings: u32,
+    ) -> Result<Self, NoSmoothCap> {
+        let part = disk(mesh, in_hole, zero, rings);
+        let local = part.mesh(mesh).map_err(|_| NoSmoothCap::NoDisk)?;
+        let removed = part.faces.iter().map(|f| zero.faces.contains(f)).collect();
+        let mut chart = Self {
+            power: if zero.order < 0 { -1 } else { zero.order + 1 },
+            z0: Complex::default(),
+            z: Vec::new(),
+            w: Vec::new(),
+            mesh: local,
+            removed,
+            part,
+            rings,
+        };
+        chart.develop(&chart.part.pick_sides(form), zero)?;
+        chart.place_zero(zero)?;
+        Ok(chart)
+    }
+
+    /// Returns the chart of stored numbers, in the order of the vertices of the disk.
+    pub(super) fn restore(
+        mesh: &TriangleMesh,
+        form: &[[f64; 2]],
+        zero: &Zero,
+        rings: u32,
+        in_hole: impl Fn(u32) -> bool,
+        (z0, w): ([f64; 2], &[[f64; 2]]),
+    ) -> Result<Self, NoSmoothCap> {
+        let part = disk(mesh, in_hole, zero, rings);
+        let local = part.mesh(mesh).map_err(|_| NoSmoothCap::NoDisk)?;
+        if w.len() != part.vertices.len() {
+            return Err(NoSmoothCap::NoDisk);
+        }
+        let removed = part.faces.iter().map(|f| zero.faces.contains(f)).collect();
+        let mut chart = Self {
+            power: if zero.order < 0 { -1 } else { zero.order + 1 },
+            z0: complex(z0),
+            z: Vec::new(),
+            w: w.iter().copied().map(complex).collect(),
+            mesh: local,
+            removed,
+            part,
+            rings,
+        };
+        chart.develop(&chart.part.pick_sides(form), zero)?;
+        Ok(chart)
+    }
+
+    /// Integrates the form over the disk, around a pole only outside of the hole.
+    fn develop(&mut self, form: &[[f64; 2]], zero: &Zero) -> Result<(), NoSmoothCap> {
+        let topology = self.mesh.topology();
+        let usable = |h: u32| zero.order >= 0 || !self.removed[(h / 3) as usize];
+        let sides = || (0..form.len() as u32).filter(|&h| usable(h));
+        let mut z = vec![None; topology.vertex_count()];
+        let start = sides().next().ok_or(NoSmoothCap::NoDisk)?;
+        z[topology.origin(start) as usize] = Some(Complex::default());
+        let mut queue = vec![topology.origin(start)];
+        let mut next = 0;
+        while next < queue.len() {
+            let vertex = queue[next];
+            next += 1;
+            for h in topology.outgoing(vertex).filter(|&h| usable(h)) {
+                // Both sides of the corner: the second one reaches what a boundary hides.
+                let back = Topology::previous(h);
+                for (other, side) in [
+                    (topology.target(h), complex(form[h as usize])),
+                    (topology.origin(back), -complex(form[back as usize])),
+                ] {
+                    if z[other as usize].is_none() {
+                        z[other as usize] = z[vertex as usize].map(|at: Complex<f64>| at + side);
+                        queue.push(other);
+                    }
+                }
+            }
+        }
+        for h in sides() {
+            let ends = [topology.origin(h), topology.target(h)].map(|v| z[v as usize]);
+            let [Some(from), Some(to)] = ends else {
+                return Err(NoSmoothCap::NoDisk);
+            };
+            let side = complex(form[h as usize]);
+            if (to - from - side).norm() > CLOSED * side.norm() {
+                return Err(NoSmoothCap::NoDisk);
+            }
+        }
+        self.z = z.into_iter().map(Option::unwrap_or_default).collect();
+        Ok(())
+    }
+
+    /// Finds `z0`, and `w` at all vertices.
+    fn place_zero(&mut self, zero: &Zero) -> Result<(), NoSmoothCap> {
+        let inner: Vec<u32> = zero
+            .vertices
+            .iter()
+            .filter_map(|&v| self.part.vertex(v))
+            .collect();
+        let centre: Vec<u32> = if zero.order < 0 {
+            self.corners_of_removed()
+                .filter(|v| !inner.contains(v))
+                .collect()
+        } else {
+            inner.clone()
+        };
+        let mean = |values: &mut dyn Iterator<Item = Complex<f64>>| {
+            values.sum::<Complex<f64>>() / centre.len() as f64
+        };
+        self.z0 = mean(&mut centre.iter().map(|&v| self.z[v as usize]));
+        self.set_roots(&inner)?;
+        if zero.order < 0 {
+            return Ok(());
+        }
+        for _ in 0..UPDATES {
+            let rest = |&v: &u32| self.z[v as usize] - self.w[v as usize].powi(self.power);
+            self.z0 = mean(&mut centre.iter().map(rest));
+            self.set_roots(&inner)?;
+        }
+        Ok(())
+    }
+
+    /// Corners of faces that were cut out, ascending.
+    fn corners_of_removed(&self) -> impl Iterator<Item = u32> + '_ {
+        let mut on = vec![false; self.z.len()];
+        let faces = self.mesh.faces().iter().zip(&self.removed);
+        for (corners, _) in faces.filter(|(_, removed)| **removed) {
+            corners.iter().for_each(|&v| on[v as usize] = true);
+        }
+        (0..on.len() as u32).filter(move |&v| on[v as usize])
+    }
+
+    /// Takes the root at all vertices outside, and extends it to those inside by positive weights.
+    fn set_roots(&mut self, inner: &[u32]) -> Result<(), NoSmoothCap> {
+        let angles = self.angles(inner)?;
+        let share = 1.0 / f64::from(self.power);
+        let root = |(z, angle): (&Complex<f64>, &f64)| {
+            Complex::from_polar((z - self.z0).norm().powf(share), angle * share)
+        };
+        self.w = self.z.iter().zip(&angles).map(root).collect();
+        self.extend_inside(inner);
+        Ok(())
+    }
+
+    /// Returns the continued angles of `ζ` at the vertices outside.
+    fn angles(&self, inner: &[u32]) -> Result<Vec<f64>, NoSmoothCap> {
+        let topology = self.mesh.topology();
+        let zeta = |v: u32| self.z[v as usize] - self.z0;
+        let step = |from: u32, to: u32| (zeta(to) / zeta(from)).arg();
+        let outside = |h: u32| !self.removed[(h / 3) as usize];
+        let sides = || (0..3 * topology.face_count() as u32).filter(|&h| outside(h));
+        let mut angles = vec![f64::NAN; self.z.len()];
+        let start = topology.origin(sides().next().ok_or(NoSmoothCap::NoDisk)?);
+        angles[start as usize] = zeta(start).arg();
+        let mut queue = vec![start];
+        let mut next = 0;
+        while next < queue.len() {
+            let vertex = queue[next];
+            next += 1;
+            for h in topology.outgoing(vertex).filter(|&h| outside(h)) {
+                for other in [topology.target(h), topology.origin(Topology::previous(h))] {
+                    if angles[other as usize].is_nan() {
+                        let near = angles[vertex as usize] + step(vertex, other);
+                        let own = zeta(other).arg();
+                        let turns = ((near - own) / std::f64::consts::TAU).round();
+                        // The angle itself with whole turns: no rounding piles up along the way.
+                        angles[other as usize] = own + std::f64::consts::TAU * turns;
+                        queue.push(other);
+                    }
+                }
+            }
+        }
+        let all_turns = std::f64::consts::TAU * f64::from(self.power.abs());
+        let fits = |h: u32| {
+            let (from, to) = (topology.origin(h), topology.target(h));
+            let gap = angles[to as usize] - angles[from as usize] - step(from, to);
+            (gap - all_turns * (gap / all_turns).round()).abs() < 1e-6
+        };
+        let around =
+            |face: &[u32; 3]| -> f64 { (0..3).map(|i| step(face[i], face[(i + 1) % 3])).sum() };
+        let faces = self.mesh.faces().iter().zip(&self.removed);
+        let holds_zero = faces
+            .filter(|(_, removed)| !**removed)
+            .any(|(face, _)| around(face).abs() > 1.0);
+        let reached =
+            (0..angles.len() as u32).all(|v| inner.contains(&v) || angles[v as usize].is_finite());
+        if reached && !holds_zero && sides().all(fits) {
+            Ok(angles)
+        } else {
+            Err(NoSmoothCap::Folded)
+        }
+    }
+
+    /// Gives inner vertices the mean of their neighbours, with the mean-value weights of the mesh.
+    fn extend_inside(&mut self, inner: &[u32]) {
+        let count = inner.len();
+        let place = |v: u32| inner.iter().position(|&own| own == v);
+        let mut matrix = DMatrix::zeros(count, count);
+        let (mut re, mut im) = (DVector::zeros(count), DVector::zeros(count));
+        let topology = self.mesh.topology();
+        for (row, &vertex) in inner.iter().enumerate() {
+            for h in topology.outgoing(vertex) {
+                let weight = mean_value_weight(&self.mesh, h);
+                matrix[(row, row)] += weight;
+                let other = topology.target(h);
+                if let Some(column) = place(other) {
+                    matrix[(row, column)] -= weight;
+                } else {
+                    re[row] += weight * self.w[other as usize].re;
+                    im[row] += weight * self.w[other as usize].im;
+                }
+            }
+        }
+        let factors = matrix.lu();
+        // A matrix that cannot be solved leaves folds, which are looked for.
+        let (re, im) = (factors.solve(&re), factors.solve(&im));
+        for (row, &vertex) in inner.iter().enumerate() {
+            let at = |part: &Option<DVector<f64>>| part.as_ref().map_or(f64::NAN, |x| x[row]);
+            self.w[vertex as usize] = Complex::new(at(&re), at(&im));
+        }
+        if self.power < 0 && count == 1 {
+            // The pole itself lies at infinity.
+            let pole = inner[0];
+            let harmonic = std::mem::take(&mut self.w[pole as usize]);
+            let folds = topology
+                .outgoing(pole)
+                .any(|h| self.flat_area(h / 3) <= 0.0);
+            if folds {
+                self.w[pole as usize] = harmonic;
+            }
+        }
+    }
+
+    /// Twice the area of a face in the chart.
+    fn flat_area(&self, face: u32) -> f64 {
+        let [a, b, c] = self.mesh.faces()[face as usize].map(|v| self.w[v as usize]);
+        let (e, f) = (b - a, c - a);
+        cross([e.re, e.im], [f.re, f.im])
+    }
+
+    /// Returns the vectors along the half-edges of the disk in the chart.
+    pub(super) fn edge_vectors(&self) -> Vec<[f64; 2]> {
+        let side = |face: &[u32; 3], i: usize| {
+            let e = self.w[face[(i + 1) % 3] as usize] - self.w[face[i] as usize];
+            [e.re, e.im]
+        };
+        let faces = self.mesh.faces().iter();
+        faces
+            .flat_map(|face| [0, 1, 2].map(|i| side(face, i)))
+            .collect()
+    }
+
+    /// Returns `dz/dw = n w^(n - 1)` at a vertex outside of the hole.
+    pub(super) fn slope(&self, vertex: u32) -> Complex<f64> {
+        let (z, w) = (self.z[vertex as usize], self.w[vertex as usize]);
+        f64::from(self.power) * (z - self.z0) / w
+    }
+
+    /// Returns the map of a face outside of the hole into the chart, by the flat coordinates of the form.
+    pub(super) fn outside(&self, face: u32, at: [f64; 3]) -> PlaneJet {
+        let corners = self.mesh.faces()[face as usize];
+        let zeta = corners.map(|v| self.z[v as usize] - self.z0);
+        let here = at[0] * zeta[0] + at[1] * zeta[1] + at[2] * zeta[2];
+        let [w, slope, bend] = self.root(self.w[corners[0] as usize], zeta[0], here);
+        let i = Complex::new(0.0, 1.0);
+        PlaneJet {
+            value: w,
+            first: [slope, i * slope],
+            second: [bend, i * bend, -bend],
+        }
+    }
+
+    /// Returns `w` and its first and second derivative by `z` at `ζ`, on the branch that is `w0` at `ζ0`.
+    fn root(&self, w0: Complex<f64>, zeta0: Complex<f64>, zeta: Complex<f64>) -> [Complex<f64>; 3] {
+        let share = 1.0 / f64::from(self.power);
+        let ratio = zeta / zeta0;
+        let w = w0
+            * match self.power {
+                -1 => ratio.inv(),
+                2 => ratio.sqrt(),
+                _ => ratio.powf(share),
+            };
+        let slope = share * w / zeta;
+        [w, slope, (share - 1.0) * slope / zeta]
+    }
+
+    /// Returns the map of a face of the hole into the chart, by the second and third barycentric
+    /// coordinate.
+    pub(super) fn inside(&self, face: u32, at: [f64; 3]) -> PlaneJet {
+        let corners = self.mesh.faces()[face as usize].map(|v| self.w[v as usize]);
+        let mut jet = PlaneJet {
+            value: at[0] * corners[0] + at[1] * corners[1] + at[2] * corners[2],
+            first: [corners[1] - corners[0], corners[2] - corners[0]],
+            second: [Complex::default(); 3],
+        };
+        for side in (0..3).filter(|&side| self.is_rim(3 * face + side as u32)) {
+            self.add_bulge(&mut jet, face, side, at);
+        }
+        jet
+    }
+
+    /// Whether a half-edge of a face of the hole has a face of the regular part on its other side.
+    pub(super) fn is_rim(&self, half_edge: u32) -> bool {
+        let twin = self.mesh.topology().twin(half_edge);
+        self.removed[(half_edge / 3) as usize] && twin != NONE && !self.removed[(twin / 3) as usize]
+    }
+
+    /// Adds what lies between the chord of a side and its curve.
+    fn add_bulge(&self, jet: &mut PlaneJet, face: u32, side: usize, at: [f64; 3]) {
+        let next = (side + 1) % 3;
+        let ends = [side, next].map(|i| self.mesh.faces()[face as usize][i] as usize);
+        let zeta = ends.map(|v| self.z[v] - self.z0);
+        let w = ends.map(|v| self.w[v]);
+        let (a, b) = (at[side], at[next]);
+        let t = 0.5 * (1.0 + b - a);
+        let bulge = self.bulge(w, zeta, t);
+        // Barycentric coordinates by the second and third of them.
+        let by = |i: usize| [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]][i];
+        let (da, db) = (by(side), by(next));
+        let dt = [0, 1].map(|k| 0.5 * (db[k] - da[k]));
+        jet.value += a * b * bulge[0];
+        for k in 0..2 {
+            let product = da[k] * b + a * db[k];
+            jet.first[k] += product * bulge[0] + a * b * dt[k] * bulge[1];
+        }
+        for (entry, [k, l]) in [[0, 0], [0, 1], [1, 1]].into_iter().enumerate() {
+            let product = |k: usize| da[k] * b + a * db[k];
+            jet.second[entry] += (da[k] * db[l] + da[l] * db[k]) * bulge[0]
+                + (product(k) * dt[l] + product(l) * dt[k]) * bulge[1]
+                + a * b * dt[k] * dt[l] * bulge[2];
+        }
+    }
+
+    /// Returns `ε` and its first and second derivative by `t`.
+    fn bulge(&self, [wa, wb]: [Complex<f64>; 2], zeta: [Complex<f64>; 2], t: f64) -> Series {
+        let chord = zeta[1] - zeta[0];
+        let [q, slope, bend] = self.root(wa, zeta[0], zeta[0] + t * chord);
+        let q = [q, slope * chord, bend * chord * chord];
+        if self.power < 0 {
+            return q.map(|q| -chord * chord * wa * wb * q);
+        }
+        let (a, b) = (constant(wa), constant(wb));
+        let n = self.power as usize;
+        let top = sum_of_products(&[a, q, b], n - 2);
+        let bottom = product(
+            sum_of_products(&[a, q], n - 1),
+            sum_of_products(&[q, b], n - 1),
+        );
+        quotient(top, bottom).map(|x| chord * (wb - wa) * x)
+    }
+
+    /// Returns the face of the disk that holds a point of the chart, and barycentric coordinates, from a
+    /// face near it; the face on the boundary where the point leaves the disk.
+    pub(super) fn locate(&self, start: u32, point: Complex<f64>) -> Located {
+        let topology = self.mesh.topology();
+        let mut face = start;
+        let mut left = false;
+        // No face comes twice on the way to a point but by rounding.
+        for _ in 0..self.mesh.face_count() {
+            let at = self.barycentric(face, point);
+            let least = (0..3).fold(0, |best, i| if at[i] < at[best] { i } else { best });
+            // The side opposite to corner i is i + 1.
+            let twin = topology.twin(3 * face + (least as u32 + 1) % 3);
+            if at[least] >= -1e-13 || twin == NONE {
+                left = at[least] < -1e-13;
+                break;
+            }
+            face = twin / 3;
+        }
+        Located {
+            face,
+            at: self.barycentric(face, point),
+            left,
+        }
+    }
+
+    fn barycentric(&self, face: u32, point: Complex<f64>) -> [f64; 3] {
+        let sides = self.mesh.faces()[face as usize].map(|v| {
+            let side = self.w[v as usize] - point;
+            [side.re, side.im]
+        });
+        let area = self.flat_area(face);
+        [0, 1, 2].map(|i| cross(sides[(i + 1) % 3], sides[(i + 2) % 3]) / area)
+    }
+
+    /// Whether points stay on the disk, and faces along the rim unfolded, at the points looked at.
+    pub(super) fn is_sound(&self) -> bool {
+        let steps: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
+        let topology = self.mesh.topology();
+        let faces = 0..self.mesh.face_count() as u32;
+        let mut beside = vec![false; self.mesh.vertex_count()];
+        for v in self.corners_of_removed() {
+            beside[v as usize] = true;
+        }
+        faces.into_iter().all(|face| {
+            let corners = self.mesh.faces()[face as usize];
+            if self.removed[face as usize] {
+                let rim = (0..3).any(|i| self.is_rim(3 * face + i));
+                let grid = || {
+                    let rows = steps.iter().enumerate();
+                    rows.flat_map(|(i, a)| {
+                        steps[..steps.len() - i]
+                            .iter()
+                            .map(move |b| [1.0 - a - b, *a, *b])
+                    })
+                };
+                return !rim
+                    || grid().all(|at| {
+                        let [u, v] = self.inside(face, at).first;
+                        cross([u.re, u.im], [v.re, v.im]) > 0.0
+                    });
+            }
+            let near = corners.iter().any(|&v| beside[v as usize]);
+            let sides = (0..3).filter(|&i| near && topology.twin(3 * face + i) != NONE);
+            sides.into_iter().all(|i| {
+                steps.iter().all(|t| {
+                    let mut at = [0.0; 3];
+                    at[i as usize] = 1.0 - t;
+                    at[(i as usize + 1) % 3] = *t;
+                    !self.locate(face, self.outside(face, at).value).left
+                })
+            })
+        })
+    }
+}
+
+/// Where a point of the chart is.
+pub(super) struct Located {
+    pub(super) face: u32,
+    pub(super) at: [f64; 3],
+    /// Whether it is outside of the disk.
+    pub(super) left: bool,
+}
+
+/// A number and its first and second derivative.
+type Series = [Complex<f64>; 3];
+
+fn constant(value: Complex<f64>) -> Series {
+    [value, Complex::default(), Complex::default()]
+}
+
+fn product(a: Series, b: Series) -> Series {
+    [
+        a[0] * b[0],
+        a[1] * b[0] + a[0] * b[1],
+        a[2] * b[0] + 2.0 * a[1] * b[1] + a[0] * b[2],
+    ]
+}
+
+fn quotient(a: Series, b: Series) -> Series {
+    let value = a[0] / b[0];
+    let first = (a[1] - value * b[1]) / b[0];
+    let second = (a[2] - 2.0 * first * b[1] - value * b[2]) / b[0];
+    [value, first, second]
+}
+
+/// Returns the sum of all products of `degree` of these factors, each as often as one likes.
+fn sum_of_products(factors: &[Series], degree: usize) -> Series {
+    let mut sums = vec![constant(Complex::default()); degree + 1];
+    sums[0] = constant(Complex::new(1.0, 0.0));
+    for &factor in factors {
+        for k in 1..=degree {
+            let more = product(factor, sums[k - 1]);
+            sums[k] = [0, 1, 2].map(|i| sums[k][i] + more[i]);
+        }
+    }
+    sums[degree]
+}
+
+/// Returns the faces of a hole and so many rings around it.
+fn disk(mesh: &TriangleMesh, in_hole: impl Fn(u32) -> bool, zero: &Zero, rings: u32) -> Part {
+    let topology = mesh.topology();
+    let mut faces = zero.faces.clone();
+    for _ in 0..rings {
+        let corners = faces.iter().flat_map(|&f| mesh.faces()[f as usize]);
+        let around = corners.flat_map(|v| topology.outgoing(v).map(|h| h / 3));
+        let mut more: Vec<u32> = around.filter(|&f| !in_hole(f)).collect();
+        more.extend(&zero.faces);
+        more.sort_unstable();
+        more.dedup();
+        faces = more;
+    }
+    Part::new(mesh, faces)
+}
+
+/// Returns the mean-value weight of a half-edge at its origin: `(tan(α / 2) + tan(β / 2)) / length`, with
+/// the angles at the origin to both sides.
+///
+/// # Reference
+/// [Floater2003].
+fn mean_value_weight(mesh: &TriangleMesh, half_edge: u32) -> f64 {
+    let topology = mesh.topology();
+    let at = |v: u32| mesh.positions()[v as usize];
+    let origin = at(topology.origin(half_edge));
+    let side = at(topology.target(half_edge)) - origin;
+    let length = side.norm();
+    let half_tangent = |other: u32| {
+        let arm = at(other) - origin;
+        let (dot, area) = (side.dot(&arm), side.cross(&arm).norm());
+        // tan(α / 2) = sin α / (1 + cos α)
+        area / (length * arm.norm() + dot)
+    };
+    let mut sum = half_tangent(topology.target(Topology::next(half_edge)));
+    let twin = topology.twin(half_edge);
+    if twin != NONE {
+        sum += half_tangent(topology.target(Topology::next(twin)));
+    }
+    sum / length
+}
