@@ -9,7 +9,7 @@ use super::{debian, python};
 use crate::tree;
 
 /// Debian packages, and a header of each that shows it is there.
-const LIBRARIES: [(&str, &str); 5] = [
+const LIBRARIES: [(&str, &str); 6] = [
     ("g++", "/usr/bin/c++"),
     (
         "libopenmesh-dev",
