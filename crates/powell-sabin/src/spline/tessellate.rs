@@ -88,7 +88,7 @@ impl<'a> Lattice<'a> {
     }
 
     /// Returns the point of a face with these steps from the corners.
-    fn index(&self, face: u32, counts: [u32; 3]) -> u32 {
+    pub(crate) fn index(&self, face: u32, counts: [u32; 3]) -> u32 {
         let (n, topology) = (self.segments, self.topology);
         let inner = n - 1;
         let edges = topology.vertex_count() as u32;

@@ -4,8 +4,11 @@
 //! `ζ = z - z0`, `n = m + 1` for a zero of order `m` and `-1` for a double pole; `w = ζ^(1 / n)`. Angles of
 //! `ζ` are continued from vertex to vertex, so that all `n` sheets are told apart.
 //!
-//! On a face the map is exact outside of the hole: from any corner, `w = w_0 (ζ / ζ_0)^(1 / n)` with the
-//! principal root, as no face contains `z0`. Inside of the hole it is linear, but for faces along the
+//! A cap covers the hole, and mostly a ring of faces around it, because the nearer a straight side of `z`
+//! passes by the zero, the more it bends in `w`.
+//!
+//! On a face the map is exact outside of what is covered: from any corner, `w = w_0 (ζ / ζ_0)^(1 / n)` with the
+//! principal root, as no face contains `z0`. On covered faces it is linear, but for faces along the
 //! rim: there a side from `a` to `b` follows the curve `q(t) = w(z)` of its straight counterpart, by
 //!
 //! ```text
@@ -22,6 +25,7 @@
 use msplines_common::mesh::{NONE, Topology, TriangleMesh};
 use msplines_conformal::Zero;
 use nalgebra::{Complex, DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 use super::error::NoSmoothCap;
 use super::jet::PlaneJet;
@@ -47,9 +51,21 @@ pub(super) struct Chart {
     pub(super) z: Vec<Complex<f64>>,
     /// By vertex of the part.
     pub(super) w: Vec<Complex<f64>>,
-    /// Whether a face of the part was cut out.
-    pub(super) removed: Vec<bool>,
-    pub(super) rings: u32,
+    /// Whether a face of the part is covered: in the hole, or in the rings around it that the cap takes.
+    pub(super) covered: Vec<bool>,
+    /// Vertices of the part with covered faces only.
+    pub(super) inner: Vec<u32>,
+    pub(super) reach: Reach,
+}
+
+/// How far a chart goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reach {
+    /// Rings of faces around the hole that the cap covers like the hole itself.
+    pub covered: u32,
+    /// Rings of faces around the hole on which there is a chart.
+    pub rings: u32,
 }
 
 fn complex([re, im]: [f64; 2]) -> Complex<f64> {
@@ -57,65 +73,58 @@ fn complex([re, im]: [f64; 2]) -> Complex<f64> {
 }
 
 impl Chart {
-    /// Returns the chart over so many rings of faces around a hole; faces of other holes stay out.
+    /// Returns the chart around a hole without places in it; faces of other holes stay out.
     pub(super) fn build(
         mesh: &TriangleMesh,
         form: &[[f64; 2]],
         in_hole: impl Fn(u32) -> bool,
         zero: &Zero,
-        rings: u32,
+        reach: Reach,
     ) -> Result<Self, NoSmoothCap> {
-        let part = disk(mesh, in_hole, zero, rings);
+        let part = disk(mesh, &in_hole, zero, reach.rings);
+        let core = disk(mesh, &in_hole, zero, reach.covered);
         let local = part.mesh(mesh).map_err(|_| NoSmoothCap::NoDisk)?;
-        let removed = part.faces.iter().map(|f| zero.faces.contains(f)).collect();
+        let covered: Vec<bool> = part.faces.iter().map(|&f| core.face(f).is_some()).collect();
+        let surrounded = |&v: &u32| {
+            let mut around = mesh.topology().outgoing(v).map(|h| h / 3);
+            around.all(|f| core.face(f).is_some())
+        };
+        let inner: Vec<u32> = core.vertices.iter().copied().filter(surrounded).collect();
+        if inner.iter().any(|&v| mesh.topology().is_boundary_vertex(v)) {
+            return Err(NoSmoothCap::NoDisk);
+        }
         let mut chart = Self {
             power: if zero.order < 0 { -1 } else { zero.order + 1 },
             z0: Complex::default(),
             z: Vec::new(),
             w: Vec::new(),
             mesh: local,
-            removed,
+            covered,
+            inner: inner.iter().filter_map(|&v| part.vertex(v)).collect(),
             part,
-            rings,
+            reach,
         };
         chart.develop(&chart.part.pick_sides(form), zero)?;
-        chart.place_zero(zero)?;
         Ok(chart)
     }
 
-    /// Returns the chart of stored numbers, in the order of the vertices of the disk.
-    pub(super) fn restore(
-        mesh: &TriangleMesh,
-        form: &[[f64; 2]],
-        zero: &Zero,
-        rings: u32,
-        in_hole: impl Fn(u32) -> bool,
-        (z0, w): ([f64; 2], &[[f64; 2]]),
-    ) -> Result<Self, NoSmoothCap> {
-        let part = disk(mesh, in_hole, zero, rings);
-        let local = part.mesh(mesh).map_err(|_| NoSmoothCap::NoDisk)?;
-        if w.len() != part.vertices.len() {
+    /// Takes stored places of the zero and of the vertices.
+    pub(super) fn set_places(&mut self, zero: [f64; 2], w: &[[f64; 2]]) -> Result<(), NoSmoothCap> {
+        if w.len() != self.z.len() {
             return Err(NoSmoothCap::NoDisk);
         }
-        let removed = part.faces.iter().map(|f| zero.faces.contains(f)).collect();
-        let mut chart = Self {
-            power: if zero.order < 0 { -1 } else { zero.order + 1 },
-            z0: complex(z0),
-            z: Vec::new(),
-            w: w.iter().copied().map(complex).collect(),
-            mesh: local,
-            removed,
-            part,
-            rings,
-        };
-        chart.develop(&chart.part.pick_sides(form), zero)?;
-        Ok(chart)
+        self.z0 = complex(zero);
+        self.w = w.iter().copied().map(complex).collect();
+        Ok(())
     }
 
     /// Integrates the form over the disk, around a pole only outside of the hole.
     fn develop(&mut self, form: &[[f64; 2]], zero: &Zero) -> Result<(), NoSmoothCap> {
         let topology = self.mesh.topology();
-        let usable = |h: u32| zero.order >= 0 || !self.removed[(h / 3) as usize];
+        let usable = |h: u32| {
+            let face = self.part.faces[(h / 3) as usize];
+            zero.order >= 0 || zero.faces.binary_search(&face).is_err()
+        };
         let sides = || (0..form.len() as u32).filter(|&h| usable(h));
         let mut z = vec![None; topology.vertex_count()];
         let start = sides().next().ok_or(NoSmoothCap::NoDisk)?;
@@ -154,63 +163,65 @@ impl Chart {
     }
 
     /// Finds `z0`, and `w` at all vertices.
-    fn place_zero(&mut self, zero: &Zero) -> Result<(), NoSmoothCap> {
-        let inner: Vec<u32> = zero
-            .vertices
-            .iter()
-            .filter_map(|&v| self.part.vertex(v))
-            .collect();
-        let centre: Vec<u32> = if zero.order < 0 {
-            self.corners_of_removed()
-                .filter(|v| !inner.contains(v))
-                .collect()
+    pub(super) fn place_zero(&mut self) -> Result<(), NoSmoothCap> {
+        let centre = if self.power < 0 {
+            self.rim()
         } else {
-            inner.clone()
+            self.inner.clone()
         };
         let mean = |values: &mut dyn Iterator<Item = Complex<f64>>| {
             values.sum::<Complex<f64>>() / centre.len() as f64
         };
         self.z0 = mean(&mut centre.iter().map(|&v| self.z[v as usize]));
-        self.set_roots(&inner)?;
-        if zero.order < 0 {
-            return Ok(());
-        }
-        for _ in 0..UPDATES {
+        self.set_roots()?;
+        let updates = if self.power < 0 { 0 } else { UPDATES };
+        for _ in 0..updates {
             let rest = |&v: &u32| self.z[v as usize] - self.w[v as usize].powi(self.power);
             self.z0 = mean(&mut centre.iter().map(rest));
-            self.set_roots(&inner)?;
+            self.set_roots()?;
         }
         Ok(())
     }
 
-    /// Corners of faces that were cut out, ascending.
-    fn corners_of_removed(&self) -> impl Iterator<Item = u32> + '_ {
-        let mut on = vec![false; self.z.len()];
-        let faces = self.mesh.faces().iter().zip(&self.removed);
-        for (corners, _) in faces.filter(|(_, removed)| **removed) {
-            corners.iter().for_each(|&v| on[v as usize] = true);
-        }
-        (0..on.len() as u32).filter(move |&v| on[v as usize])
+    /// Returns the vertices of covered faces that have others too, ascending.
+    pub(super) fn rim(&self) -> Vec<u32> {
+        let faces = self.mesh.faces().iter().zip(&self.covered);
+        let corners = faces.filter(|(_, covered)| **covered);
+        let mut rim: Vec<u32> = corners
+            .flat_map(|(corners, _)| corners)
+            .copied()
+            .filter(|v| self.inner.binary_search(v).is_err())
+            .collect();
+        rim.sort_unstable();
+        rim.dedup();
+        rim
+    }
+
+    /// Returns the vertices of the mesh that covered faces have, some several times.
+    pub(super) fn covered_vertices(&self) -> impl Iterator<Item = u32> + '_ {
+        let faces = self.mesh.faces().iter().zip(&self.covered);
+        let corners = faces.filter(|(_, covered)| **covered);
+        corners.flat_map(|(corners, _)| corners.map(|v| self.part.vertices[v as usize]))
     }
 
     /// Takes the root at all vertices outside, and extends it to those inside by positive weights.
-    fn set_roots(&mut self, inner: &[u32]) -> Result<(), NoSmoothCap> {
-        let angles = self.angles(inner)?;
+    fn set_roots(&mut self) -> Result<(), NoSmoothCap> {
+        let angles = self.angles()?;
         let share = 1.0 / f64::from(self.power);
         let root = |(z, angle): (&Complex<f64>, &f64)| {
             Complex::from_polar((z - self.z0).norm().powf(share), angle * share)
         };
         self.w = self.z.iter().zip(&angles).map(root).collect();
-        self.extend_inside(inner);
+        self.extend_inside();
         Ok(())
     }
 
     /// Returns the continued angles of `ζ` at the vertices outside.
-    fn angles(&self, inner: &[u32]) -> Result<Vec<f64>, NoSmoothCap> {
+    fn angles(&self) -> Result<Vec<f64>, NoSmoothCap> {
         let topology = self.mesh.topology();
         let zeta = |v: u32| self.z[v as usize] - self.z0;
         let step = |from: u32, to: u32| (zeta(to) / zeta(from)).arg();
-        let outside = |h: u32| !self.removed[(h / 3) as usize];
+        let outside = |h: u32| !self.covered[(h / 3) as usize];
         let sides = || (0..3 * topology.face_count() as u32).filter(|&h| outside(h));
         let mut angles = vec![f64::NAN; self.z.len()];
         let start = topology.origin(sides().next().ok_or(NoSmoothCap::NoDisk)?);
@@ -241,12 +252,12 @@ impl Chart {
         };
         let around =
             |face: &[u32; 3]| -> f64 { (0..3).map(|i| step(face[i], face[(i + 1) % 3])).sum() };
-        let faces = self.mesh.faces().iter().zip(&self.removed);
+        let faces = self.mesh.faces().iter().zip(&self.covered);
         let holds_zero = faces
-            .filter(|(_, removed)| !**removed)
+            .filter(|(_, covered)| !**covered)
             .any(|(face, _)| around(face).abs() > 1.0);
-        let reached =
-            (0..angles.len() as u32).all(|v| inner.contains(&v) || angles[v as usize].is_finite());
+        let reached = (0..angles.len() as u32)
+            .all(|v| self.inner.binary_search(&v).is_ok() || angles[v as usize].is_finite());
         if reached && !holds_zero && sides().all(fits) {
             Ok(angles)
         } else {
@@ -255,9 +266,10 @@ impl Chart {
     }
 
     /// Gives inner vertices the mean of their neighbours, with the mean-value weights of the mesh.
-    fn extend_inside(&mut self, inner: &[u32]) {
+    fn extend_inside(&mut self) {
+        let inner = self.inner.clone();
         let count = inner.len();
-        let place = |v: u32| inner.iter().position(|&own| own == v);
+        let place = |v: u32| inner.binary_search(&v).ok();
         let mut matrix = DMatrix::zeros(count, count);
         let (mut re, mut im) = (DVector::zeros(count), DVector::zeros(count));
         let topology = self.mesh.topology();
@@ -281,17 +293,6 @@ impl Chart {
             let at = |part: &Option<DVector<f64>>| part.as_ref().map_or(f64::NAN, |x| x[row]);
             self.w[vertex as usize] = Complex::new(at(&re), at(&im));
         }
-        if self.power < 0 && count == 1 {
-            // The pole itself lies at infinity.
-            let pole = inner[0];
-            let harmonic = std::mem::take(&mut self.w[pole as usize]);
-            let folds = topology
-                .outgoing(pole)
-                .any(|h| self.flat_area(h / 3) <= 0.0);
-            if folds {
-                self.w[pole as usize] = harmonic;
-            }
-        }
     }
 
     /// Twice the area of a face in the chart.
@@ -313,13 +314,13 @@ impl Chart {
             .collect()
     }
 
-    /// Returns `dz/dw = n w^(n - 1)` at a vertex outside of the hole.
+    /// Returns `dz/dw = n w^(n - 1)` at a vertex that is not inside.
     pub(super) fn slope(&self, vertex: u32) -> Complex<f64> {
         let (z, w) = (self.z[vertex as usize], self.w[vertex as usize]);
         f64::from(self.power) * (z - self.z0) / w
     }
 
-    /// Returns the map of a face outside of the hole into the chart, by the flat coordinates of the form.
+    /// Returns the map of a face that is not covered into the chart, by the flat coordinates of the form.
     pub(super) fn outside(&self, face: u32, at: [f64; 3]) -> PlaneJet {
         let corners = self.mesh.faces()[face as usize];
         let zeta = corners.map(|v| self.z[v as usize] - self.z0);
@@ -347,7 +348,7 @@ impl Chart {
         [w, slope, (share - 1.0) * slope / zeta]
     }
 
-    /// Returns the map of a face of the hole into the chart, by the second and third barycentric
+    /// Returns the map of a covered face into the chart, by the second and third barycentric
     /// coordinate.
     pub(super) fn inside(&self, face: u32, at: [f64; 3]) -> PlaneJet {
         let corners = self.mesh.faces()[face as usize].map(|v| self.w[v as usize]);
@@ -362,10 +363,10 @@ impl Chart {
         jet
     }
 
-    /// Whether a half-edge of a face of the hole has a face of the regular part on its other side.
+    /// Whether a half-edge of a covered face has one that is not on its other side.
     pub(super) fn is_rim(&self, half_edge: u32) -> bool {
         let twin = self.mesh.topology().twin(half_edge);
-        self.removed[(half_edge / 3) as usize] && twin != NONE && !self.removed[(twin / 3) as usize]
+        self.covered[(half_edge / 3) as usize] && twin != NONE && !self.covered[(twin / 3) as usize]
     }
 
     /// Adds what lies between the chord of a side and its curve.
@@ -452,12 +453,10 @@ impl Chart {
         let topology = self.mesh.topology();
         let faces = 0..self.mesh.face_count() as u32;
         let mut beside = vec![false; self.mesh.vertex_count()];
-        for v in self.corners_of_removed() {
-            beside[v as usize] = true;
-        }
+        self.rim().iter().for_each(|&v| beside[v as usize] = true);
         faces.into_iter().all(|face| {
             let corners = self.mesh.faces()[face as usize];
-            if self.removed[face as usize] {
+            if self.covered[face as usize] {
                 let rim = (0..3).any(|i| self.is_rim(3 * face + i));
                 let grid = || {
                     let rows = steps.iter().enumerate();
@@ -531,7 +530,7 @@ fn sum_of_products(factors: &[Series], degree: usize) -> Series {
 }
 
 /// Returns the faces of a hole and so many rings around it.
-fn disk(mesh: &TriangleMesh, in_hole: impl Fn(u32) -> bool, zero: &Zero, rings: u32) -> Part {
+fn disk(mesh: &TriangleMesh, in_hole: &impl Fn(u32) -> bool, zero: &Zero, rings: u32) -> Part {
     let topology = mesh.topology();
     let mut faces = zero.faces.clone();
     for _ in 0..rings {

@@ -99,9 +99,17 @@ pub enum SurfaceWarning {
         /// Why.
         reason: NoSmoothCap,
     },
+    /// A hole whose faces are no disk, or whose rim has no length.
+    #[error(
+        "the hole around vertex {vertex} stays open, because no disk spans it; refine the mesh there"
+    )]
+    LeftOpen {
+        /// First vertex of the zero.
+        vertex: u32,
+    },
     /// A minimal surface that stopped early.
     #[error(
-        "the minimal surface around vertex {vertex} was stopped before it settled, with the area {area:e}, because it began to fold"
+        "the minimal surface around vertex {vertex} was stopped before it settled, with the area {area:e}, because it began to fold or went on shrinking"
     )]
     MinimalUnsettled {
         /// First vertex of the zero.

@@ -58,10 +58,11 @@ impl PowellSabinSurface {
     /// outside of holes, the second and third barycentric coordinate inside.
     pub(super) fn jet(&self, point: &SurfacePoint, order: Order) -> Jet {
         let &SurfacePoint { face, at } = point;
-        let Some(regular) = self.regular_face(face) else {
+        let Some(regular) = self.plain_face(face) else {
             return match &self.holes[self.hole_of_face[face as usize] as usize].cap {
                 Cap::Open => Jet::default(),
                 Cap::Smooth(cap) => cap.inside(face, at, order),
+                Cap::Minimal(cap) => cap.jet(face, at, order),
             };
         };
         let plain = spline_jet(&self.regular, regular, at, order);
@@ -84,7 +85,7 @@ impl PowellSabinSurface {
 
     /// Returns the derivatives of the coordinates of [`Self::jet`] by those of the frame of the face.
     fn change(&self, face: u32) -> [[f64; 2]; 2] {
-        let edges = match self.regular_face(face) {
+        let edges = match self.plain_face(face) {
             Some(regular) => self.regular.macro_triangle(regular).edges(),
             // Barycentric coordinates are flat ones in which the corners are (0, 0), (1, 0), (0, 1).
             None => [[1.0, 0.0], [-1.0, 1.0], [0.0, -1.0]],

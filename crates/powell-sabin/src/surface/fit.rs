@@ -1,13 +1,15 @@
 //! The fit over an atlas.
 
-use msplines_common::mesh::TopologyError;
+use msplines_common::mesh::{TopologyError, TriangleMesh};
 use msplines_common::progress::{Observer, Progress};
 use msplines_conformal::{Atlas, Zero};
 use serde::{Deserialize, Serialize};
 
 use super::PowellSabinSurface;
+use super::chart::Reach;
 use super::error::{SurfaceError, SurfaceWarning};
 use super::hole::{Cap, Hole};
+use super::minimal::{MinimalCap, Relaxed, Rim};
 use super::options::{Fill, SurfaceOptions};
 use super::part::Part;
 use super::smooth::{Around, SmoothCap};
@@ -57,10 +59,17 @@ pub enum Filled {
     Open,
     /// A spline in a chart of its own.
     Smooth {
-        /// Rings of faces around the hole that the chart covers.
-        rings: u32,
+        /// How far its chart goes.
+        reach: Reach,
         /// Vertices that the spline inside passes inside out.
         violations: usize,
+    },
+    /// A surface of small area.
+    Minimal {
+        /// Rounds in which the area was decreased.
+        rounds: u32,
+        /// Its area.
+        area: f64,
     },
 }
 
@@ -84,13 +93,8 @@ pub fn fit_surface(
 ) -> Result<SurfaceFit, SurfaceError> {
     check(atlas, conditions)?;
     let mesh = atlas.mesh();
-    let part = regular_part(atlas)?;
-    let domain = part.mesh(mesh).map_err(|error| match error {
-        TopologyError::VertexNotManifold { vertex } => SurfaceError::Pinched {
-            vertex: part.vertices[vertex as usize],
-        },
-        other => SurfaceError::Domain(other.into()),
-    })?;
+    let part = regular_part(mesh, atlas.zeros())?;
+    let domain = part.mesh(mesh).map_err(|error| pinched(error, &part))?;
     let domain = FlatDomain::build(domain, part.pick_sides(atlas.form()))
         .map_err(|e| SurfaceError::Domain(e.renamed(&part.vertices, &part.faces)))?;
     let regular = fit(&domain, &part.pick(conditions), &options.spline, observer)
@@ -138,11 +142,20 @@ fn check(atlas: &Atlas, conditions: &[VertexCondition]) -> Result<(), SurfaceErr
         })
 }
 
+/// Says where the regular part is no surface.
+pub(super) fn pinched(error: TopologyError, part: &Part) -> SurfaceError {
+    match error {
+        TopologyError::VertexNotManifold { vertex } => SurfaceError::Pinched {
+            vertex: part.vertices[vertex as usize],
+        },
+        other => SurfaceError::Domain(other.into()),
+    }
+}
+
 /// Returns the faces outside of the holes.
-fn regular_part(atlas: &Atlas) -> Result<Part, SurfaceError> {
-    let mesh = atlas.mesh();
+pub(super) fn regular_part(mesh: &TriangleMesh, zeros: &[Zero]) -> Result<Part, SurfaceError> {
     let mut outside = vec![true; mesh.face_count()];
-    for &face in atlas.zeros().iter().flat_map(|zero| &zero.faces) {
+    for &face in zeros.iter().flat_map(|zero| &zero.faces) {
         outside[face as usize] = false;
     }
     let faces = (0..mesh.face_count() as u32).filter(|&f| outside[f as usize]);
@@ -158,6 +171,15 @@ type Filling = (Vec<Hole>, Vec<HoleReport>, Vec<SurfaceWarning>);
 
 fn fill(around: &Around<'_>, zeros: &[Zero], observer: &mut Observer<'_>) -> Filling {
     let (mut holes, mut reports, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
+    // Caps touch neither holes nor each other.
+    let mut taken = vec![false; around.mesh.vertex_count()];
+    let mark = |taken: &mut Vec<bool>, zero: &Zero, value: bool| {
+        for &face in &zero.faces {
+            let corners = around.mesh.faces()[face as usize];
+            corners.iter().for_each(|&v| taken[v as usize] = value);
+        }
+    };
+    zeros.iter().for_each(|zero| mark(&mut taken, zero, true));
     let mut open = around.options.fill == Fill::Open;
     for (done, zero) in zeros.iter().enumerate() {
         let step = Progress::new("caps", done as u64, zeros.len() as u64);
@@ -165,7 +187,14 @@ fn fill(around: &Around<'_>, zeros: &[Zero], observer: &mut Observer<'_>) -> Fil
         let (cap, filled) = if open {
             (Cap::Open, Filled::Open)
         } else {
-            cap(around, zero, &mut warnings)
+            mark(&mut taken, zero, false);
+            let found = cap(around, zero, &taken, &mut warnings);
+            mark(&mut taken, zero, true);
+            if let Cap::Smooth(cap) = &found.0 {
+                cap.covered_vertices()
+                    .for_each(|v| taken[v as usize] = true);
+            }
+            found
         };
         reports.push(HoleReport {
             order: zero.order,
@@ -183,10 +212,15 @@ fn fill(around: &Around<'_>, zeros: &[Zero], observer: &mut Observer<'_>) -> Fil
     (holes, reports, warnings)
 }
 
-fn cap(around: &Around<'_>, zero: &Zero, warnings: &mut Vec<SurfaceWarning>) -> (Cap, Filled) {
+fn cap(
+    around: &Around<'_>,
+    zero: &Zero,
+    taken: &[bool],
+    warnings: &mut Vec<SurfaceWarning>,
+) -> (Cap, Filled) {
     let vertex = zero.vertices[0];
     if around.options.fill == Fill::Smooth {
-        match SmoothCap::fit(around, zero) {
+        match SmoothCap::fit(around, zero, taken) {
             Ok((cap, own)) => {
                 let warned = own.warnings.iter().cloned();
                 warnings.extend(warned.map(|warning| SurfaceWarning::Cap {
@@ -194,7 +228,7 @@ fn cap(around: &Around<'_>, zero: &Zero, warnings: &mut Vec<SurfaceWarning>) -> 
                     warning: warning.renamed(cap.vertices()),
                 }));
                 let filled = Filled::Smooth {
-                    rings: cap.rings(),
+                    reach: cap.reach(),
                     violations: own.violations_after,
                 };
                 return (Cap::Smooth(Box::new(cap)), filled);
@@ -202,5 +236,29 @@ fn cap(around: &Around<'_>, zero: &Zero, warnings: &mut Vec<SurfaceWarning>) -> 
             Err(reason) => warnings.push(SurfaceWarning::MinimalInstead { vertex, reason }),
         }
     }
-    (Cap::Open, Filled::Open)
+    let rim = Rim {
+        mesh: around.mesh,
+        regular: around.regular,
+        part: around.part,
+    };
+    let Some((
+        cap,
+        Relaxed {
+            area,
+            rounds,
+            settled,
+            ..
+        },
+    )) = MinimalCap::span(&rim, zero)
+    else {
+        warnings.push(SurfaceWarning::LeftOpen { vertex });
+        return (Cap::Open, Filled::Open);
+    };
+    if !settled {
+        warnings.push(SurfaceWarning::MinimalUnsettled { vertex, area });
+    }
+    (
+        Cap::Minimal(Box::new(cap)),
+        Filled::Minimal { rounds, area },
+    )
 }

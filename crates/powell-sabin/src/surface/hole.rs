@@ -1,7 +1,6 @@
 //! A hole of the atlas and what fills it.
 
-use msplines_common::mesh::TriangleMesh;
-
+use super::minimal::MinimalCap;
 use super::smooth::SmoothCap;
 
 /// A hole at a zero of the form, or at its pole.
@@ -21,6 +20,8 @@ pub enum Cap {
     Open,
     /// A spline over a chart of its own, blended with the surface around.
     Smooth(Box<SmoothCap>),
+    /// A surface of small area.
+    Minimal(Box<MinimalCap>),
 }
 
 impl Hole {
@@ -46,15 +47,5 @@ impl Hole {
     #[must_use]
     pub fn cap(&self) -> &Cap {
         &self.cap
-    }
-
-    /// Returns the vertices on its rim, ascending.
-    #[must_use]
-    pub fn rim(&self, mesh: &TriangleMesh) -> Vec<u32> {
-        let corners = self.faces.iter().flat_map(|&f| mesh.faces()[f as usize]);
-        let mut rim: Vec<u32> = corners.filter(|v| !self.vertices.contains(v)).collect();
-        rim.sort_unstable();
-        rim.dedup();
-        rim
     }
 }

@@ -22,23 +22,32 @@
 //! [He2005] §3.2, §3.3. Deviation: the paper fills holes by minimal surfaces, which are C0 at the rim
 //! and pass through no vertex inside; these are [`Fill::Minimal`].
 
+mod cells;
 mod chart;
 mod error;
 mod evaluate;
 mod fit;
 mod hole;
 mod jet;
+mod measure;
+mod minimal;
 mod options;
 mod part;
+mod parts;
 mod smooth;
 mod tessellate;
 
 use msplines_common::mesh::{NONE, TriangleMesh};
 
+pub use cells::SurfaceCells;
+pub use chart::Reach;
 pub use error::{NoSmoothCap, SurfaceError, SurfaceWarning};
 pub use fit::{Filled, HoleReport, SurfaceFit, SurfaceReport, fit_surface};
 pub use hole::{Cap, Hole};
+pub use measure::SurfaceChecks;
+pub use minimal::MinimalCap;
 pub use options::{Fill, SurfaceOptions};
+pub use parts::{CapParts, HoleParts, SurfaceParts};
 pub use smooth::SmoothCap;
 
 use crate::domain::FlatDomain;
@@ -61,7 +70,7 @@ pub struct PowellSabinSurface {
     /// Face of the regular part by face of the mesh, or none.
     places: Vec<u32>,
     holes: Vec<Hole>,
-    /// The hole that a face lies in, or none.
+    /// The hole whose cap a face belongs to, or none.
     hole_of_face: Vec<u32>,
     /// The smoothly filled hole on whose rim a vertex lies, or none.
     rim_of_vertex: Vec<u32>,
@@ -83,8 +92,11 @@ impl PowellSabinSurface {
             for &face in hole.faces() {
                 hole_of_face[face as usize] = number as u32;
             }
-            if matches!(hole.cap(), Cap::Smooth(_)) {
-                for vertex in hole.rim(&mesh) {
+            if let Cap::Smooth(cap) = hole.cap() {
+                for face in cap.covered_faces() {
+                    hole_of_face[face as usize] = number as u32;
+                }
+                for vertex in cap.rim() {
                     rim_of_vertex[vertex as usize] = number as u32;
                 }
             }
@@ -152,7 +164,8 @@ impl PowellSabinSurface {
     pub fn dofs(&self) -> usize {
         let caps = self.holes.iter().map(|hole| match hole.cap() {
             Cap::Open => 0,
-            Cap::Smooth(_) => 9 * hole.vertices().len(),
+            Cap::Smooth(cap) => 9 * cap.inner_vertices(),
+            Cap::Minimal(cap) => 3 * cap.free_points(),
         });
         self.regular.dofs() + caps.sum::<usize>()
     }
@@ -175,6 +188,12 @@ impl PowellSabinSurface {
     #[must_use]
     pub fn flat_domain(&self) -> &FlatDomain {
         self.regular.flat_domain()
+    }
+
+    /// Returns the face of the regular part that a face is, unless a cap covers it.
+    fn plain_face(&self, face: u32) -> Option<u32> {
+        let free = self.hole_of_face[face as usize] == NONE;
+        self.regular_face(face).filter(|_| free)
     }
 
     /// The filled holes on whose rims the corners of a regular face lie, each once.

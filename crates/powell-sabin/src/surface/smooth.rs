@@ -2,21 +2,37 @@
 
 use msplines_common::evaluate::Order;
 use msplines_common::mesh::TriangleMesh;
+use msplines_common::progress::unobserved;
 use msplines_conformal::Zero;
 
-use super::chart::Chart;
+use super::chart::{Chart, Reach};
 use super::error::NoSmoothCap;
 use super::jet::{Jet, PlaneJet, spline_jet};
 use super::options::SurfaceOptions;
 use super::part::Part;
+use super::parts::{CapParts, rows, spline};
 use crate::domain::FlatDomain;
+use crate::element::MacroTriangle;
 use crate::fit::{Report, VertexCondition, fit};
-use crate::spline::PowellSabinSpline;
-use msplines_common::progress::unobserved;
+use crate::spline::{PowellSabinSpline, unit_normal};
 
-/// Rings of faces around a hole that its chart covers: most first. Two are needed, so that points of
-/// the ring that is blended stay on the chart.
-const RINGS: [u32; 2] = [3, 2];
+/// How far charts go, in the order in which they are tried. One ring around the hole is covered where
+/// that is possible, because the sides of the hole itself pass by the zero at their own length, and bend
+/// much in its chart. Beyond the ring that is blended there is one more, so that its points stay on the
+/// chart.
+const REACHES: [Reach; 7] = [
+    reach(1, 3),
+    reach(1, 4),
+    reach(2, 4),
+    reach(2, 5),
+    reach(3, 5),
+    reach(0, 2),
+    reach(0, 3),
+];
+
+const fn reach(covered: u32, rings: u32) -> Reach {
+    Reach { covered, rings }
+}
 
 /// What caps are fitted to.
 pub(super) struct Around<'a> {
@@ -37,18 +53,30 @@ pub struct SmoothCap {
 
 impl SmoothCap {
     /// Returns the fairest spline inside of a hole that has value and gradient of the regular part
-    /// around.
-    pub(super) fn fit(around: &Around<'_>, zero: &Zero) -> Result<(Self, Report), NoSmoothCap> {
+    /// around. It covers no vertex that is taken.
+    pub(super) fn fit(
+        around: &Around<'_>,
+        zero: &Zero,
+        taken: &[bool],
+    ) -> Result<(Self, Report), NoSmoothCap> {
         let in_hole = |face: u32| around.part.face(face).is_none();
-        let mut failed = NoSmoothCap::NoDisk;
-        for rings in RINGS {
-            let chart = Chart::build(around.mesh, around.form, in_hole, zero, rings);
-            match chart.and_then(|chart| Self::over(around, chart)) {
+        let mut failed = None;
+        for reach in REACHES {
+            let chart = Chart::build(around.mesh, around.form, in_hole, zero, reach);
+            let placed = chart.and_then(|mut chart| {
+                if chart.covered_vertices().any(|v| taken[v as usize]) {
+                    return Err(NoSmoothCap::NoDisk);
+                }
+                chart.place_zero()?;
+                Self::over(around, chart)
+            });
+            match placed {
                 Ok(found) => return Ok(found),
-                Err(reason) => failed = reason,
+                // The first reason is that of the chart that is most likely to work.
+                Err(reason) => failed = failed.or(Some(reason)),
             }
         }
-        Err(failed)
+        Err(failed.unwrap_or(NoSmoothCap::NoDisk))
     }
 
     fn over(around: &Around<'_>, chart: Chart) -> Result<(Self, Report), NoSmoothCap> {
@@ -58,8 +86,10 @@ impl SmoothCap {
             return Err(NoSmoothCap::Bent);
         }
         let condition = |(local, &vertex): (usize, &u32)| {
-            let Some(regular) = around.part.vertex(vertex) else {
-                return around.conditions[vertex as usize];
+            let inside = chart.inner.binary_search(&(local as u32)).is_ok();
+            let regular = around.part.vertex(vertex).filter(|_| !inside);
+            let Some(regular) = regular else {
+                return without_gradient(around.conditions[vertex as usize]);
             };
             let [x, y] = around.regular.vertex_gradient(regular);
             let slope = chart.slope(local as u32);
@@ -103,10 +133,72 @@ impl SmoothCap {
         &self.chart.part.faces
     }
 
-    /// Returns how many rings of faces around the hole the chart covers.
+    /// Returns how far the chart goes.
     #[must_use]
-    pub fn rings(&self) -> u32 {
-        self.chart.rings
+    pub fn reach(&self) -> Reach {
+        self.chart.reach
+    }
+
+    /// Returns the faces over which the surface is the spline of the cap alone, ascending.
+    pub(super) fn covered_faces(&self) -> impl Iterator<Item = u32> + '_ {
+        let faces = self.chart.part.faces.iter().zip(&self.chart.covered);
+        faces
+            .filter(|(_, covered)| **covered)
+            .map(|(&face, _)| face)
+    }
+
+    /// Returns the vertices around these, ascending.
+    pub(super) fn rim(&self) -> impl Iterator<Item = u32> + '_ {
+        let rim = self.chart.rim().into_iter();
+        rim.map(|v| self.chart.part.vertices[v as usize])
+    }
+
+    /// Returns all vertices of these faces.
+    pub(super) fn covered_vertices(&self) -> impl Iterator<Item = u32> + '_ {
+        self.chart.covered_vertices()
+    }
+
+    /// Returns the number of vertices inside of what the cap covers.
+    pub(super) fn inner_vertices(&self) -> usize {
+        self.chart.inner.len()
+    }
+
+    /// Returns the numbers of the cap.
+    pub(super) fn parts(&self) -> CapParts {
+        let (values, gradients) = rows(&self.spline);
+        CapParts::Smooth {
+            reach: self.chart.reach,
+            zero: [self.chart.z0.re, self.chart.z0.im],
+            chart: self.chart.w.iter().map(|w| [w.re, w.im]).collect(),
+            values,
+            gradients,
+        }
+    }
+
+    /// Returns the cap of stored numbers.
+    pub(super) fn restore(
+        mesh: &TriangleMesh,
+        form: &[[f64; 2]],
+        in_hole: impl Fn(u32) -> bool,
+        zero: &Zero,
+        reach: Reach,
+        (place, chart): (&[f64; 2], &[[f64; 2]]),
+        (values, gradients): (&[[f64; 3]], &[[[f64; 3]; 2]]),
+    ) -> Result<Self, NoSmoothCap> {
+        let places = chart;
+        let mut chart = Chart::build(mesh, form, in_hole, zero, reach)?;
+        chart.set_places(*place, places)?;
+        let domain = FlatDomain::build(chart.mesh.clone(), chart.edge_vectors())
+            .map_err(|_| NoSmoothCap::Folded)?;
+        let spline = spline(domain, values, gradients).map_err(|error| NoSmoothCap::Fit {
+            reason: error.to_string(),
+        })?;
+        Ok(Self { chart, spline })
+    }
+
+    /// Returns the split of a face of the chart.
+    pub(super) fn split(&self, face: u32) -> MacroTriangle {
+        self.spline.macro_triangle(self.local(face))
     }
 
     /// Returns the cap at a point of the hole, by the second and third barycentric coordinate.
@@ -128,5 +220,19 @@ impl SmoothCap {
     fn composed(&self, face: u32, map: &PlaneJet, order: Order) -> Jet {
         let place = self.chart.locate(face, map.value);
         spline_jet(&self.spline, place.face, place.at, order).after(map)
+    }
+}
+
+/// Prescribed gradients are by coordinates that the inside of a cap does not have: their plane is kept.
+fn without_gradient(condition: VertexCondition) -> VertexCondition {
+    match condition {
+        VertexCondition::Fixed { position, gradient } => {
+            let [u, v] = gradient;
+            match unit_normal(&[u.x, u.y, u.z, v.x, v.y, v.z]) {
+                Some(normal) => VertexCondition::Interpolate { position, normal },
+                None => VertexCondition::Position { position },
+            }
+        }
+        other => other,
     }
 }
