@@ -10,10 +10,20 @@ use crate::choice::{FormChoice, HolomorphicForm};
 use crate::error::ConformalError;
 use crate::flat::FlatComplex;
 use crate::homology::Homology;
+use crate::measure::stretch;
 use crate::zeros::Findings;
 
 /// Rounds of mending before a mesh is given up.
 const ROUNDS: usize = 12;
+
+/// Rounds in which faces that are laid out as needles are mended as if they were folded.
+///
+/// They are the rings of three vertices of hair-thin spikes: along these the two parts of a form decay
+/// at rates that differ, and splines over such faces lose all their digits.
+const NEEDLE_ROUNDS: usize = 2;
+
+/// Ratio of singular values from a face to the plane above which it is a needle.
+const NEEDLE: f64 = 1e3;
 
 /// Rounds in which weights are relaxed where faces fold, before faces are split there too.
 const RELAXATIONS: usize = 1;
@@ -64,10 +74,14 @@ impl Atlas {
                     ground.lay_out(basis.form([&form.real, &form.imaginary]), None);
                 (form, flat, findings)
             });
-            let Some((form, flat, findings)) = best(tried) else {
+            let Some((form, flat, mut findings)) = best(tried) else {
                 return Err(ConformalError::ZeroForm);
             };
-            if findings.is_clean() {
+            let clean = findings.is_clean();
+            if clean && round < NEEDLE_ROUNDS {
+                findings.folded = needles(&flat, &search.mesh, &findings);
+            }
+            if findings.is_clean() || (clean && round == ROUNDS) {
                 let atlas = ground.atlas(flat, findings.zeros, mesh.vertex_count(), round)?;
                 return Ok(ClosedAtlas {
                     atlas,
@@ -83,6 +97,22 @@ impl Atlas {
             round += 1;
         }
     }
+}
+
+/// Faces outside of the zeros that are laid out as needles although they are none.
+fn needles(flat: &FlatComplex, mesh: &TriangleMesh, findings: &Findings) -> Vec<u32> {
+    let at_zeros: BTreeSet<u32> = findings
+        .zeros
+        .iter()
+        .flat_map(|z| z.faces.clone())
+        .collect();
+    let faces = (0..flat.faces().len() as u32).filter(|face| !at_zeros.contains(face));
+    let is_needle = |face: u32| {
+        let [a, b, c] = flat.faces()[face as usize].map(|v| mesh.positions()[v as usize]);
+        let sides = [(b - a).norm(), (c - b).norm(), (a - c).norm()];
+        stretch(sides, flat.sides(face)).anisotropy > NEEDLE
+    };
+    faces.filter(|&face| is_needle(face)).collect()
 }
 
 /// The first clean one, or else the one with least that is wrong.

@@ -35,6 +35,11 @@ impl FlatComplex {
         self.vectors
     }
 
+    /// The three vectors of a face.
+    pub(crate) fn sides(&self, face: u32) -> [Flat; 3] {
+        std::array::from_fn(|i| self.vectors[3 * face as usize + i])
+    }
+
     /// Twice the signed area of a face.
     pub(crate) fn doubled_area(&self, face: u32) -> f64 {
         let [a, b] = [0, 1].map(|i| self.vectors[(3 * face + i) as usize]);

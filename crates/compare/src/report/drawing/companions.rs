@@ -44,7 +44,7 @@ pub(super) struct FieldMesh {
     pub(super) attributes: Vec<VertexAttribute>,
 }
 
-/// The surfaces beside the spline of a solid.
+/// The surfaces beside the spline of a solid, or of an interpolant.
 pub(super) struct SolidSurfaces {
     /// The input.
     pub(super) input: FieldMesh,

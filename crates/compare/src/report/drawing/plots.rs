@@ -89,6 +89,7 @@ fn series(rows: &[&RowReport], axes: [Axis; 2]) -> Vec<Line> {
         MethodName::Chart,
         MethodName::Trivariate,
         MethodName::Conformal,
+        MethodName::PowellSabin,
     ] {
         for row in rows.iter().filter(|row| row.row.method == method) {
             let record = row.result.record();

@@ -33,6 +33,9 @@ const NO_VERTICES: &str =
 /// Why an atlas has no errors.
 const NO_SPLINE: &str = "an atlas is no fit and has no errors; show `checkers` instead";
 
+/// Why an interpolating surface has no errors.
+const NO_ERRORS: &str = "the surface passes through all vertices; show the spline instead";
+
 /// A domain that is loaded by whoever asks first.
 type Loading = Arc<OnceLock<Result<Arc<Domain>, String>>>;
 
@@ -105,7 +108,7 @@ pub(super) struct Source {
     pub(super) knots: Vec<Point3<f64>>,
     /// A control mesh and what is approximated, where the method has them.
     companions: Option<Companions>,
-    /// Surfaces beside the spline of a solid.
+    /// Surfaces beside the spline of a solid, or of an interpolant.
     solid: Option<SolidSurfaces>,
     /// Texture coordinates of the corners of every face of the stored surface of an atlas.
     texture: Option<Vec<[[f64; 2]; 3]>>,
@@ -145,7 +148,9 @@ impl Source {
         let companions = has_charts.then(|| Companions::load(files)).transpose()?;
         let is_solid = report.row.method == MethodName::Trivariate;
         let is_atlas = report.row.method == MethodName::Conformal;
-        let solid = is_solid.then(|| SolidSurfaces::load(files)).transpose()?;
+        let is_interpolant = report.row.method == MethodName::PowellSabin;
+        let has_beside = is_solid || is_interpolant;
+        let solid = has_beside.then(|| SolidSurfaces::load(files)).transpose()?;
         let domain = match (&companions, &solid) {
             (Some(companions), _) if has_own_input => {
                 Arc::new(Domain::of_row(&companions.control.0, report)?)
@@ -168,7 +173,7 @@ impl Source {
                 Vec::new()
             }
             // A form without zeros leaves no file.
-            MethodName::Conformal => knots.unwrap_or_default(),
+            MethodName::Conformal | MethodName::PowellSabin => knots.unwrap_or_default(),
             _ => knots.map_err(|e| e.to_string())?,
         };
         Ok(Self {
@@ -176,6 +181,7 @@ impl Source {
                 None if has_charts => Err(NO_DATA.to_owned()),
                 None if is_solid => Err(NO_VERTICES.to_owned()),
                 None if is_atlas => Err(NO_SPLINE.to_owned()),
+                None if is_interpolant => Err(NO_ERRORS.to_owned()),
                 Some(original) => Ok(Fitted::of_frame(original, &spline, &domain.loaded)),
                 None => Fitted::of(report.row.data, &domain.loaded, &spline, &attributes),
             },

@@ -5,7 +5,7 @@ use msplines_powell_sabin::PowellSabinSurface;
 
 use crate::run::Companion;
 
-/// Returns the control triangles, and the edges of the domain on the surface.
+/// Returns the domain, the control triangles, and the edges of the domain on the surface.
 pub(super) fn companions(spline: &PowellSabinSurface) -> Vec<Companion> {
     let triangles = spline.control_triangles();
     let faces = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
@@ -17,14 +17,21 @@ pub(super) fn companions(spline: &PowellSabinSurface) -> Vec<Companion> {
         creases: Vec::new(),
         fields: Vec::new(),
     };
+    let domain = Companion {
+        name: "input",
+        mesh: Some(spline.mesh().clone()),
+        edges: msplines_picture::edges(spline.mesh().faces()),
+        creases: Vec::new(),
+        fields: Vec::new(),
+    };
     let curves = Companion {
-        name: "curves",
+        name: "spline",
         mesh: None,
         edges: edges_on_surface(spline, super::SHOWN_SEGMENTS),
         creases: Vec::new(),
         fields: Vec::new(),
     };
-    vec![control, curves]
+    vec![domain, control, curves]
 }
 
 /// The images of the edges of the domain, as pairs of points of a tessellation.
