@@ -1,6 +1,7 @@
 //! The command line.
 
 mod conformal;
+mod powell_sabin;
 mod solid;
 
 use std::path::PathBuf;
@@ -9,6 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use msplines_compare::case::{Amount, Knots};
 
 pub(crate) use conformal::Conformal;
+pub(crate) use powell_sabin::{Fill, PowellSabin, Weights};
 pub(crate) use solid::{Deform, Map, SolidFit, Trivariate};
 
 /// Splines on triangle meshes of any shape.
@@ -94,6 +96,8 @@ pub(crate) enum Fit {
     CurveNetwork(CurveNetwork),
     /// A solid as a smooth map of the unit cube.
     Trivariate(Trivariate),
+    /// One C1 surface through all vertices of a mesh and their normals, of any genus.
+    PowellSabin(PowellSabin),
 }
 
 /// What every fit takes.

@@ -15,6 +15,7 @@ use crate::arguments::{
     BiharmonicChoices, Combine, Decompose, Deform, Edit, Effort, Evaluate, Fit, FitFiles, Selection,
 };
 use crate::manifold;
+use crate::powell_sabin;
 use crate::session::{Failure, Session};
 use crate::solid;
 
@@ -35,6 +36,7 @@ pub(crate) fn fit(fit: &Fit, session: &Session) -> Result<u8, Failure> {
         Fit::SparseManifold(arguments) => (&arguments.input, manifold::case(arguments, session)),
         Fit::CurveNetwork(arguments) => (&arguments.input, manifold::network(arguments, session)),
         Fit::Trivariate(arguments) => (&arguments.input, solid::case(arguments, session)?),
+        Fit::PowellSabin(arguments) => (&arguments.input, powell_sabin::case(arguments, session)),
     };
     let label = format!("{} {}", case.method.name(), file_name(input));
     session.observe(&label, |observer| {

@@ -16,6 +16,7 @@ mod conformal;
 mod info;
 mod interrupt;
 mod manifold;
+mod powell_sabin;
 mod session;
 mod solid;
 

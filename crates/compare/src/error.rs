@@ -1,6 +1,7 @@
 //! Why a run gives no result, and which exit code says so.
 
 mod conformal;
+mod powell_sabin;
 mod solid;
 
 use std::path::PathBuf;
@@ -13,6 +14,7 @@ use crate::animation::FrameError;
 use crate::case::AmountError;
 
 pub use conformal::AtlasError;
+pub use powell_sabin::PowellSabinError;
 pub use solid::TrivariateError;
 
 /// The exit codes of the program.
@@ -146,6 +148,9 @@ pub enum RunError {
     /// The conformal atlas failed.
     #[error(transparent)]
     Atlas(#[from] AtlasError),
+    /// The Powell-Sabin spline failed.
+    #[error(transparent)]
+    PowellSabin(#[from] PowellSabinError),
     /// The fitted or stored spline could not be evaluated.
     #[error(transparent)]
     Spline(#[from] SplineFileError),
@@ -181,6 +186,7 @@ impl RunError {
             Self::CurveNetwork(_) => exit::METHOD,
             Self::Trivariate(error) => error.exit_code(),
             Self::Atlas(error) => error.exit_code(),
+            Self::PowellSabin(error) => error.exit_code(),
             Self::Task { .. }
             | Self::Biharmonic(FitError::CreaseAngle { .. } | FitError::WeightsWithL1)
             | Self::Combine(CombineError::Factor { .. })
@@ -329,6 +335,14 @@ pub enum SplineFileError {
     /// A cube as domain, or a spline over it, where triangles are needed.
     #[error("the spline lives on the unit cube, not on triangles; evaluate it by itself")]
     Cube,
+    /// Values of a Powell-Sabin spline are asked for at points of its own mesh.
+    #[error(
+        "a Powell-Sabin spline is evaluated by its own tessellation; leave out subdivision and sums"
+    )]
+    SurfacePoints,
+    /// The stored numbers are no Powell-Sabin spline over the mesh.
+    #[error("the spline does not fit its mesh: {0}")]
+    PowellSabin(#[from] msplines_powell_sabin::SurfaceError),
     /// A trivariate spline over something else than the cube.
     #[error("a trivariate spline must have the domain `cube`; the file is damaged, fit again")]
     NoCube,
@@ -345,9 +359,11 @@ impl SplineFileError {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::VerticesOnly | Self::Polygons | Self::Cube | Self::DomainMissing { .. } => {
-                exit::USAGE
-            }
+            Self::VerticesOnly
+            | Self::Polygons
+            | Self::Cube
+            | Self::SurfacePoints
+            | Self::DomainMissing { .. } => exit::USAGE,
             Self::Biharmonic(_) | Self::Space(_) | Self::LsMesh(_) | Self::Evaluate(_) => {
                 exit::METHOD
             }

@@ -73,7 +73,8 @@ pub(crate) fn fit(
         | Method::CurveNetwork(_)
         | Method::Chart(_)
         | Method::Trivariate(_)
-        | Method::Conformal(_) => Err(RunError::Task {
+        | Method::Conformal(_)
+        | Method::PowellSabin(_) => Err(RunError::Task {
             task: "spline over triangles",
             method: case.method.name(),
         }),

@@ -3,6 +3,7 @@
 mod conformal;
 mod edit;
 mod manifold;
+mod powell_sabin;
 mod solid;
 
 use std::fmt;
@@ -18,6 +19,7 @@ use crate::generated::{ChartFunction, ControlShape, GeneratedSurface, NetworkSha
 pub use conformal::{ConformalMethod, Form, FormError};
 pub use edit::{Edit, Move};
 pub use manifold::{ChartMethod, Creases, CurveNetworkMethod, Polygons, SparseManifoldMethod};
+pub use powell_sabin::PowellSabinMethod;
 pub use solid::{Cut, Filler, LatticeMove, SolidMap, TrivariateMethod};
 
 /// One run: an input, the data on it, a method with its options, and what to write.
@@ -100,7 +102,8 @@ impl Case {
             | Method::CurveNetwork(_)
             | Method::Chart(_)
             | Method::Trivariate(_)
-            | Method::Conformal(_) => {}
+            | Method::Conformal(_)
+            | Method::PowellSabin(_) => {}
         }
         if let Data::Array(values) = &mut self.data {
             data = Some(values);
@@ -211,6 +214,8 @@ pub enum Method {
     Trivariate(Box<TrivariateMethod>),
     /// Conformal atlas, which splines over surfaces live on.
     Conformal(ConformalMethod),
+    /// Powell-Sabin spline through the vertices of a surface and their normals.
+    PowellSabin(Box<PowellSabinMethod>),
 }
 
 impl Method {
@@ -246,6 +251,7 @@ impl Method {
             Self::Chart(_) => "chart",
             Self::Trivariate(_) => "trivariate",
             Self::Conformal(_) => "conformal",
+            Self::PowellSabin(_) => "powell-sabin",
         }
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::{Printed, Recorded, RowFrames, RowManifold, RowNetwork, RowSolid};
 use crate::case::{
     Amount, AmountError, Case, CaseCreases, ChartMethod, ConformalMethod, Data, Input, Knots,
-    Method, Task, Weights,
+    Method, PowellSabinMethod, Task, Weights,
 };
 use crate::generated::{ChartFunction, ControlShape, GeneratedSurface, NetworkShape, SolidShape};
 
@@ -45,6 +45,8 @@ pub struct Row {
     pub solid: Option<RowSolid>,
     /// Options of a conformal atlas.
     pub conformal: Option<ConformalMethod>,
+    /// Options of a Powell-Sabin spline.
+    pub powell_sabin: Option<PowellSabinMethod>,
     /// Frames of an animation, in place of one surface.
     pub over_time: Option<RowFrames>,
     /// How knots are chosen; the method's default where absent.
@@ -122,6 +124,8 @@ pub enum MethodName {
     Trivariate,
     /// Conformal atlas.
     Conformal,
+    /// Powell-Sabin spline through the vertices of a surface.
+    PowellSabin,
 }
 
 impl MethodName {
@@ -136,6 +140,7 @@ impl MethodName {
             Self::Chart => "chart",
             Self::Trivariate => "trivariate",
             Self::Conformal => "conformal",
+            Self::PowellSabin => "powell-sabin",
         }
     }
 
@@ -160,6 +165,7 @@ impl MethodName {
             Self::Chart => "single chart",
             Self::Trivariate => "trivariate spline",
             Self::Conformal => "conformal atlas",
+            Self::PowellSabin => "Powell-Sabin spline",
         }
     }
 }
@@ -225,7 +231,8 @@ impl Row {
             | MethodName::CurveNetwork
             | MethodName::Chart
             | MethodName::Trivariate
-            | MethodName::Conformal => {
+            | MethodName::Conformal
+            | MethodName::PowellSabin => {
                 let given = self.knots.is_some() || self.knots_from.is_some();
                 let title = self.method.title();
                 return given.then(|| format!("a {title} has no knots; leave them out"));
@@ -262,6 +269,9 @@ impl Row {
         }
         if self.conformal.is_some() && self.method != MethodName::Conformal {
             return Some("`conformal` goes with conformal atlases; leave it out");
+        }
+        if self.powell_sabin.is_some() && self.method != MethodName::PowellSabin {
+            return Some("`powell_sabin` goes with Powell-Sabin splines; leave it out");
         }
         None
     }
@@ -363,6 +373,9 @@ impl Row {
             }
             (MethodName::Conformal, _) => {
                 Method::Conformal(self.conformal.clone().unwrap_or_default())
+            }
+            (MethodName::PowellSabin, _) => {
+                Method::PowellSabin(Box::new(self.powell_sabin.clone().unwrap_or_default()))
             }
         };
         if let Method::Biharmonic(method) = &mut method {

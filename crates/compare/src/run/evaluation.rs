@@ -7,7 +7,10 @@ use std::time::Instant;
 use msplines_common::progress::{Observer, Outcome};
 use serde_json::{Value, json};
 
-use super::{RunOutput, Shift, Summary, check_finite, edits, enter, manifold, record, solid, sums};
+use super::{
+    RunOutput, Shift, Summary, check_finite, edits, enter, manifold, powell_sabin, record, solid,
+    sums,
+};
 use crate::case::Data;
 use crate::clock::PhaseClock;
 use crate::error::{RunError, TrivariateError};
@@ -69,6 +72,9 @@ pub fn evaluate(
     let mut spline = SplineFile::read(&evaluation.spline)?;
     if let StoredSpline::Trivariate(_) = spline.spline {
         return solid::evaluate(evaluation, spline, &mut clock, observer);
+    }
+    if let StoredSpline::PowellSabin(_) = spline.spline {
+        return powell_sabin::evaluate(evaluation, spline, &mut clock, observer);
     }
     evaluation.check_surface(&spline.spline)?;
     if let StoredSpline::SparseManifold(_) = spline.spline {

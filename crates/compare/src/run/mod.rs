@@ -6,6 +6,7 @@ mod evaluation;
 mod frames;
 mod layers;
 mod manifold;
+mod powell_sabin;
 mod properties;
 mod shared_space;
 mod solid;
@@ -141,7 +142,8 @@ fn asked(
     observer: &mut Observer<'_>,
 ) -> Option<Result<RunOutput, RunError>> {
     let own = solid::asked(case, clock, observer);
-    if let Some(output) = own.or_else(|| conformal::asked(case, clock, observer)) {
+    let own = own.or_else(|| conformal::asked(case, clock, observer));
+    if let Some(output) = own.or_else(|| powell_sabin::asked(case, clock, observer)) {
         return Some(output);
     }
     if let Err(error) = check_outputs(&case.outputs) {

@@ -57,7 +57,8 @@ impl SharedSpace {
             | Method::CurveNetwork(_)
             | Method::Chart(_)
             | Method::Trivariate(_)
-            | Method::Conformal(_) => Err(RunError::Task {
+            | Method::Conformal(_)
+            | Method::PowellSabin(_) => Err(RunError::Task {
                 task: "data over time",
                 method: case.method.name(),
             }),

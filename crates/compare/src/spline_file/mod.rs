@@ -17,6 +17,8 @@ use msplines_biharmonic::{Scheme, Space};
 use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
 use msplines_ls_mesh::{Constraints, LsMesh};
+use msplines_powell_sabin::PowellSabinSurface;
+use msplines_powell_sabin::surface::SurfaceParts;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{RunError, SplineFileError};
@@ -95,6 +97,8 @@ pub enum StoredSpline {
     Chart(StoredLocal),
     /// A trivariate spline.
     Trivariate(StoredTrivariate),
+    /// A Powell-Sabin spline over a surface.
+    PowellSabin(Box<SurfaceParts>),
 }
 
 impl StoredSpline {
@@ -142,6 +146,20 @@ impl StoredSpline {
         }
     }
 
+    /// Returns the Powell-Sabin spline that this is, over its mesh.
+    ///
+    /// # Errors
+    /// A spline of another method, or numbers that do not fit the mesh.
+    pub(crate) fn powell_sabin(&self, mesh: &TriangleMesh) -> Result<PowellSabinSurface, RunError> {
+        match self {
+            Self::PowellSabin(parts) => {
+                let surface = PowellSabinSurface::from_parts(mesh.clone(), parts);
+                Ok(surface.map_err(SplineFileError::from)?)
+            }
+            _ => Err(self.without("Powell-Sabin surface")),
+        }
+    }
+
     fn without(&self, task: &'static str) -> RunError {
         RunError::Task {
             task,
@@ -158,6 +176,7 @@ impl StoredSpline {
             Self::SparseManifold(_) => "sparse-manifold",
             Self::Chart(_) => "chart",
             Self::Trivariate(_) => "trivariate",
+            Self::PowellSabin(_) => "powell-sabin",
         }
     }
 
@@ -167,7 +186,7 @@ impl StoredSpline {
         match self {
             Self::Biharmonic(spline) => spline.dimension,
             Self::LsMesh { dimension, .. } => *dimension,
-            Self::SparseManifold(_) | Self::Trivariate(_) => 3,
+            Self::SparseManifold(_) | Self::Trivariate(_) | Self::PowellSabin(_) => 3,
             Self::Chart(_) => 1,
         }
     }
@@ -178,7 +197,10 @@ impl StoredSpline {
         match self {
             Self::Biharmonic(spline) => &spline.knots,
             Self::LsMesh { controls, .. } => controls,
-            Self::SparseManifold(_) | Self::Chart(_) | Self::Trivariate(_) => &[],
+            Self::SparseManifold(_)
+            | Self::Chart(_)
+            | Self::Trivariate(_)
+            | Self::PowellSabin(_) => &[],
         }
     }
 
@@ -193,7 +215,8 @@ impl StoredSpline {
             Self::LsMesh { .. }
             | Self::SparseManifold(_)
             | Self::Chart(_)
-            | Self::Trivariate(_) => &[],
+            | Self::Trivariate(_)
+            | Self::PowellSabin(_) => &[],
         };
         let place = |&knot: &u32| match mesh.positions().get(knot as usize) {
             Some(vertex) => *vertex,
@@ -251,6 +274,7 @@ impl StoredSpline {
             }
             Self::SparseManifold(_) | Self::Chart(_) => Err(SplineFileError::Polygons),
             Self::Trivariate(_) => Err(SplineFileError::Cube),
+            Self::PowellSabin(_) => Err(SplineFileError::SurfacePoints),
             Self::LsMesh { .. } if rounds > 0 => Err(SplineFileError::VerticesOnly),
             Self::LsMesh {
                 dimension,

@@ -45,7 +45,7 @@ fn run(
     check(case)?;
     let input = prepared(load(&case.input, clock)?, case)?;
     enter("domain", clock, observer);
-    let found = atlas(&input, method, case.seed)?;
+    let found = atlas(&input, method.form.as_ref(), &method.puncture, case.seed)?;
     let atlas = &found.atlas;
     enter("evaluate", clock, observer);
     let stretches = texture::stretches(atlas);
@@ -88,17 +88,22 @@ fn run(
     })
 }
 
-fn atlas(
+/// Returns the atlas of an input.
+///
+/// # Errors
+/// A form of a surface that leaves no choice, or what the surface has no atlas for.
+pub(super) fn atlas(
     input: &LoadedInput,
-    method: &ConformalMethod,
+    form: Option<&Form>,
+    puncture: &[u32],
     seed: u64,
 ) -> Result<SurfaceAtlas, AtlasError> {
-    if let (Some(form), Some(0)) = (&method.form, input.facts.genus) {
+    if let (Some(form), Some(0)) = (form, input.facts.genus) {
         let form = form.to_string();
         return Err(AtlasError::NoChoice { form });
     }
-    let form = method.form.as_ref().unwrap_or(&Form::Optimal).choice(seed);
-    let puncture = method.puncture.clone();
+    let form = form.unwrap_or(&Form::Optimal).choice(seed);
+    let puncture = puncture.to_vec();
     Ok(Atlas::of_surface(
         &input.mesh,
         &AtlasOptions { form, puncture },
@@ -156,7 +161,7 @@ fn checks(report: &AtlasReport, stretches: &[(Stretch, f64)]) -> BTreeMap<String
 }
 
 /// Returns the places of the zeros, each the mean of the vertices that it lies between.
-fn zeros(atlas: &Atlas) -> Vec<Point3<f64>> {
+pub(super) fn zeros(atlas: &Atlas) -> Vec<Point3<f64>> {
     let positions = atlas.mesh().positions();
     let zeros = atlas.zeros().iter().filter(|zero| zero.order > 0);
     let mean = |vertices: &[u32]| {

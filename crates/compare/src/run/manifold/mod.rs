@@ -63,7 +63,8 @@ pub(super) fn asked(
         Method::Biharmonic(_)
         | Method::LsMesh { .. }
         | Method::Trivariate(_)
-        | Method::Conformal(_) => None,
+        | Method::Conformal(_)
+        | Method::PowellSabin(_) => None,
     }
 }
 

@@ -1,0 +1,72 @@
+//! What can be said about Powell-Sabin splines.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use msplines_compare::case::Form;
+
+/// `msplines fit powell-sabin`.
+#[derive(Debug, Args)]
+pub(crate) struct PowellSabin {
+    /// Mesh file: OBJ, OFF, PLY or STL, of any genus, closed or with holes. Normals are those of the
+    /// file, or estimated from the faces around each vertex where it has none.
+    pub(crate) input: PathBuf,
+    /// File to write, more than one by repeating: .json for the spline; .ply, .obj or .glb for its
+    /// points at the vertices of the input, or a tessellation with --tessellate; .vtu for exact Bezier
+    /// triangles; .npy for the points alone.
+    #[arg(short, long = "output", value_name = "OUT")]
+    pub(crate) outputs: Vec<PathBuf>,
+    /// Weights of the membrane and of the thin plate in the energy that the surface minimises.
+    #[arg(
+        long,
+        value_name = "MEMBRANE,THINPLATE",
+        value_delimiter = ',',
+        num_args = 2,
+        default_value = "1,1"
+    )]
+    pub(crate) fairness: Vec<f64>,
+    /// Lengths in which the thin plate is fair: those of the flat domain, as in the paper, or of the
+    /// mesh.
+    #[arg(long, value_enum, default_value_t = Weights::Geometric)]
+    pub(crate) weights: Weights,
+    /// What fills the holes at the zeros of the form.
+    #[arg(long, value_enum, default_value_t = Fill::Smooth)]
+    pub(crate) fill: Fill,
+    /// The holomorphic form of a surface with handles, as for `conformal`.
+    #[arg(
+        long,
+        value_name = "optimal|integer|periods:X,...|coefficients:X,...",
+        allow_hyphen_values = true
+    )]
+    pub(crate) form: Option<Form>,
+    /// Vertices, counted from 0, whose stars are removed first.
+    #[arg(long, value_name = "V,...", value_delimiter = ',')]
+    pub(crate) puncture: Vec<u32>,
+    /// Triangles along each side of a face in files of the surface, with exact normals; its points at
+    /// the vertices of the input where absent.
+    #[arg(long, value_name = "N")]
+    pub(crate) tessellate: Option<u32>,
+    /// Also measure the two-sided distance between the input and the surface.
+    #[arg(long)]
+    pub(crate) distance: bool,
+}
+
+/// Lengths in which the thin plate is fair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Weights {
+    /// Those of the flat domain.
+    Parametric,
+    /// Those of the mesh.
+    Geometric,
+}
+
+/// What fills a hole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Fill {
+    /// Nothing.
+    Open,
+    /// A minimal surface over its rim, as in the paper.
+    Minimal,
+    /// A spline in a chart around the zero, without a seam.
+    Smooth,
+}

@@ -1,0 +1,44 @@
+//! Why a surface has no Powell-Sabin spline, and which exit code says so.
+
+use msplines_powell_sabin::{FitError, SurfaceError};
+
+use super::exit;
+
+/// Why a surface has no Powell-Sabin spline.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PowellSabinError {
+    /// The fit failed.
+    #[error("powell-sabin: {0}")]
+    Surface(#[from] SurfaceError),
+    /// Something that these splines do not have.
+    #[error("a Powell-Sabin spline has no {what}; {remedy}")]
+    FitOnly {
+        /// What was asked for.
+        what: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// Too few or too many segments.
+    #[error("--tessellate {segments}: give a number from 1 to 64")]
+    Segments {
+        /// What was asked for.
+        segments: u32,
+    },
+}
+
+impl PowellSabinError {
+    /// Returns the exit code that stands for this error.
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Surface(SurfaceError::Fit(FitError::Weights { .. }))
+            | Self::FitOnly { .. }
+            | Self::Segments { .. } => exit::USAGE,
+            Self::Surface(SurfaceError::Fit(
+                FitError::Normal { .. } | FitError::NotFinite { .. },
+            )) => exit::INPUT,
+            Self::Surface(_) => exit::METHOD,
+        }
+    }
+}
