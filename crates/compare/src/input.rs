@@ -116,9 +116,6 @@ pub fn load(input: &Input, clock: &mut PhaseClock) -> Result<LoadedInput, RunErr
             };
             let sha256 = sha256_file(path).map_err(|e| refused(unreadable(&e)))?;
             let soup = read_soup(path).map_err(|e| refused(e.to_string()))?;
-            if soup.face_count() == 0 && !soup.positions.is_empty() {
-                return Err(refused(only_points(soup.positions.len())));
-            }
             let kind = kind(&soup);
             clock.enter("preflight");
             let policy = if *repair {
@@ -422,13 +419,6 @@ pub fn file_name(path: &Path) -> String {
 #[must_use]
 pub fn unreadable(error: &std::io::Error) -> String {
     format!("cannot be read: {error}; give the path of a mesh file")
-}
-
-/// What is said about a file of points.
-fn only_points(count: usize) -> String {
-    format!(
-        "it holds {count} points and no faces; reconstruct a surface from them first, by screened Poisson or ball pivoting in MeshLab, Open3D or CGAL"
-    )
 }
 
 fn kind(soup: &PolygonSoup) -> InputKind {

@@ -87,7 +87,7 @@ pub enum ReadError {
     },
     /// The file holds vertices but no face.
     #[error(
-        "{} ({format}) holds {vertices} vertices but no faces; give a surface mesh, not points",
+        "{} ({format}) holds {vertices} vertices but no faces; give a surface mesh, or make one of the points first, such as by screened Poisson reconstruction in MeshLab, Open3D or CGAL",
         path.display()
     )]
     NoFaces {

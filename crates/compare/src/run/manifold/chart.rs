@@ -62,14 +62,13 @@ pub(in crate::run) fn run(
     let error = dense.error().map_err(refused)?;
     let spline = stored_file(case, method, &domain, stored);
     let mut checks = checks(&sampled, &function);
-    for (name, value) in [
+    let found = [
         ("recovered", json!(recovered)),
         ("trials", json!(chart.trials())),
         ("function_rms", json!(error.rms)),
         ("function_max", json!(error.max)),
-    ] {
-        checks.insert(name.to_owned(), value);
-    }
+    ];
+    checks.extend(found.map(|(name, value)| (name.to_owned(), value)));
     let mesh = domain.raised(&dense.found);
     let (values, fields) = (dense.found, dense.fields);
     let names = vec!["height".to_owned()];
