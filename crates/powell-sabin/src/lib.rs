@@ -25,6 +25,23 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! Over a whole surface of any genus, laid out by an affine atlas, [`fit_surface`] does the same and fills
+//! the holes at the zeros of the form:
+//!
+//! ```
+//! use msplines_common::mesh::shapes;
+//! use msplines_common::progress::unobserved;
+//! use msplines_conformal::{Atlas, AtlasOptions};
+//! use msplines_powell_sabin::{SurfaceOptions, VertexCondition, estimate_normals, fit_surface};
+//!
+//! let atlas = Atlas::of_surface(&shapes::genus(2, 2500), &AtlasOptions::default())?.atlas;
+//! let conditions = VertexCondition::of_mesh(atlas.mesh(), &estimate_normals(atlas.mesh())?);
+//! let fit = fit_surface(&atlas, &conditions, &SurfaceOptions::default(), &mut unobserved())?;
+//! let checks = fit.spline.measure(&conditions, 1, 1000);
+//! assert!(checks.position_max < 1e-14 && checks.seam_max < 1e-6);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Reference
 //! [He2005]; [PowellSabin1977]; [Dierckx1997].
 

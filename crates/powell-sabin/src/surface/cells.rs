@@ -43,9 +43,9 @@ impl PowellSabinSurface {
     /// The deviation of [`Self::bezier_cells`] that serves pictures and files, over the diagonal.
     pub const CELL_TOLERANCE: f64 = 1e-6;
 
-    /// Returns the surface as quadratic Bézier triangles: exactly where it is quadratic, so regular
-    /// faces, six cells each, and minimal caps. The faces of smooth caps and of the rings that they are
-    /// blended over are no polynomials; their micro triangles are halved until quadratics through
+    /// Returns the surface as quadratic Bézier triangles: exactly where it is quadratic, so for
+    /// all faces, six cells each, and minimal caps, but those along the rim of smooth caps and in the
+    /// rings that they are blended over, which are no polynomials; their micro triangles are halved until quadratics through
     /// corners and middles of sides are within `tolerance` times the diagonal, five times at most.
     ///
     /// Cells meet their neighbours to rounding; open holes stay open.
@@ -54,8 +54,7 @@ impl PowellSabinSurface {
     /// Never: the points fill whole cells.
     #[must_use]
     pub fn bezier_cells(&self, tolerance: f64) -> SurfaceCells {
-        let exact_faces = (0..self.mesh().face_count() as u32)
-            .filter(|&f| self.plain_face(f).is_some() && self.blends(f).next().is_none());
+        let exact_faces = (0..self.mesh().face_count() as u32).filter(|&f| self.is_exact(f));
         let mut cells: Vec<Cell> = exact_faces.flat_map(|f| self.exact_cells(f)).collect();
         for hole in self.caps() {
             if let Cap::Minimal(cap) = hole.cap() {
@@ -87,9 +86,31 @@ impl PowellSabinSurface {
         }
     }
 
+    /// The smooth cap that covers a face.
+    fn covering(&self, face: u32) -> Option<&SmoothCap> {
+        let hole = self.caps().get(self.hole_of_face[face as usize] as usize)?;
+        match hole.cap() {
+            Cap::Smooth(cap) => Some(cap),
+            _ => None,
+        }
+    }
+
+    /// Whether the surface is a Powell-Sabin spline on a face.
+    fn is_exact(&self, face: u32) -> bool {
+        match self.covering(face) {
+            Some(cap) => cap.is_straight(face),
+            None => self.plain_face(face).is_some() && self.blends(face).next().is_none(),
+        }
+    }
+
     fn exact_cells(&self, face: u32) -> impl Iterator<Item = Cell> + use<> {
-        let regular = self.plain_face(face).unwrap_or_default();
-        let parts = [0, 1, 2].map(|c| self.regular().ordinates(regular, c));
+        let parts = [0, 1, 2].map(|c| match self.covering(face) {
+            Some(cap) => cap.ordinates(face, c),
+            None => {
+                let regular = self.plain_face(face).unwrap_or_default();
+                self.regular().ordinates(regular, c)
+            }
+        });
         (0..6).map(move |micro| {
             micro_ordinates(micro).map(|at| Vector3::from(parts.each_ref().map(|b| b[at])))
         })
@@ -115,7 +136,8 @@ impl PowellSabinSurface {
         let mut groups = vec![Vec::new(); self.caps().len()];
         for (number, hole) in self.caps().iter().enumerate() {
             if let Cap::Smooth(cap) = hole.cap() {
-                groups[group[number] as usize].extend(cap.covered_faces());
+                let bent = cap.covered_faces().filter(|&f| !cap.is_straight(f));
+                groups[group[number] as usize].extend(bent);
             }
         }
         for (face, owner) in rings {
@@ -139,34 +161,35 @@ impl PowellSabinSurface {
 
     fn approximate_face(&self, face: u32, pieces: u32) -> (Vec<Cell>, f64) {
         let triangle = self.cell_split(face);
-        let value = |at: [f64; 3]| self.jet(&SurfacePoint { face, at }, Order::Value).value;
         let mut deviation = 0.0_f64;
         let mut cells = Vec::new();
         for micro in 0..6 {
             let corners = triangle.micro_corners(micro);
+            let value = |at: [f64; 3]| {
+                let at = mix(&corners, at);
+                self.jet(&SurfacePoint { face, at }, Order::Value).value
+            };
+            // Points of a grid of half steps, rows of the third corner outermost.
+            let half = 2 * pieces;
             let place = |[second, third]: [u32; 2]| {
-                let n = f64::from(2 * pieces);
-                let steps = [
-                    f64::from(2 * pieces - second - third),
-                    f64::from(second),
-                    f64::from(third),
-                ];
-                mix(&corners, steps.map(|s| s / n))
+                let steps = [half - second - third, second, third];
+                steps.map(|s| f64::from(s) / f64::from(half))
+            };
+            let rows = (0..=half).flat_map(|j| (0..=half - j).map(move |i| [i, j]));
+            let grid: Vec<Vector3<f64>> = rows.map(|at| value(place(at))).collect();
+            let known = |[i, j]: [u32; 2]| {
+                // Rows of half + 1, half, ... points lie before.
+                grid[(j * (half + 1) - j * j.saturating_sub(1) / 2 + i) as usize]
             };
             let mut push = |tail: [[u32; 2]; 3]| {
+                let ends = tail.map(|t| known(t.map(|s| 2 * s)));
+                let middle = |a: usize, b: usize| {
+                    let at = [0, 1].map(|k| tail[a][k] + tail[b][k]);
+                    2.0 * known(at) - 0.5 * (ends[a] + ends[b])
+                };
+                let [p, q, r] = ends;
+                let cell = [p, q, r, middle(0, 1), middle(1, 2), middle(0, 2)];
                 let at = tail.map(|t| place(t.map(|s| 2 * s)));
-                let between = |a: usize, b: usize| place([0, 1].map(|k| tail[a][k] + tail[b][k]));
-                let ends = at.map(value);
-                let middle =
-                    |a: usize, b: usize| 2.0 * value(between(a, b)) - 0.5 * (ends[a] + ends[b]);
-                let cell = [
-                    ends[0],
-                    ends[1],
-                    ends[2],
-                    middle(0, 1),
-                    middle(1, 2),
-                    middle(0, 2),
-                ];
                 for probe in PROBES {
                     let gap = quadratic(&cell, probe) - value(mix(&at, probe));
                     deviation = deviation.max(gap.norm());
@@ -191,11 +214,10 @@ impl PowellSabinSurface {
         if let Some(regular) = self.plain_face(face) {
             return self.regular().macro_triangle(regular);
         }
-        let hole = &self.caps()[self.hole_of_face[face as usize] as usize];
-        let Cap::Smooth(cap) = hole.cap() else {
+        let Some(cap) = self.covering(face) else {
             return MacroTriangle::new([[1.0, 0.0], [-1.0, 1.0], [0.0, -1.0]], [0.5; 3]);
         };
-        let own = SmoothCap::split(cap, face);
+        let own = cap.split(face);
         let mut splits = own.splits();
         for (i, split) in splits.iter_mut().enumerate() {
             let twin = self.mesh().topology().twin(3 * face + i as u32);

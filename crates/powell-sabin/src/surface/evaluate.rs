@@ -49,7 +49,7 @@ impl PowellSabinSurface {
     }
 
     /// Whether a face lies in a hole that nothing fills.
-    pub(super) fn is_open(&self, face: u32) -> bool {
+    pub(crate) fn is_open(&self, face: u32) -> bool {
         let hole = self.holes.get(self.hole_of_face[face as usize] as usize);
         hole.is_some_and(|hole| matches!(hole.cap, Cap::Open))
     }

@@ -12,7 +12,7 @@ use super::options::SurfaceOptions;
 use super::part::Part;
 use super::parts::{CapParts, rows, spline};
 use crate::domain::FlatDomain;
-use crate::element::MacroTriangle;
+use crate::element::{MacroTriangle, ORDINATES};
 use crate::fit::{Report, VertexCondition, fit};
 use crate::spline::{PowellSabinSpline, unit_normal};
 
@@ -29,6 +29,9 @@ const REACHES: [Reach; 7] = [
     reach(0, 2),
     reach(0, 3),
 ];
+
+/// Steps along the sides of a face at which folds are looked for.
+const FOLD_STEPS: u32 = 4;
 
 const fn reach(covered: u32, rings: u32) -> Reach {
     Reach { covered, rings }
@@ -61,6 +64,7 @@ impl SmoothCap {
     ) -> Result<(Self, Report), NoSmoothCap> {
         let in_hole = |face: u32| around.part.face(face).is_none();
         let mut failed = None;
+        let mut best: Option<(usize, Self, Report)> = None;
         for reach in REACHES {
             let chart = Chart::build(around.mesh, around.form, in_hole, zero, reach);
             let placed = chart.and_then(|mut chart| {
@@ -71,12 +75,59 @@ impl SmoothCap {
                 Self::over(around, chart)
             });
             match placed {
-                Ok(found) => return Ok(found),
+                Ok((cap, report)) => {
+                    let folds = cap.folds(around.mesh) + report.violations_after;
+                    if best.as_ref().is_none_or(|(least, ..)| folds < *least) {
+                        best = Some((folds, cap, report));
+                    }
+                    if folds == 0 {
+                        break;
+                    }
+                }
                 // The first reason is that of the chart that is most likely to work.
                 Err(reason) => failed = failed.or(Some(reason)),
             }
         }
-        Err(failed.unwrap_or(NoSmoothCap::NoDisk))
+        best.map(|(_, cap, report)| (cap, report))
+            .ok_or_else(|| failed.unwrap_or(NoSmoothCap::NoDisk))
+    }
+
+    /// Returns at how many points of a grid the cap faces away from the faces of the mesh.
+    fn folds(&self, mesh: &TriangleMesh) -> usize {
+        let steps = 0..FOLD_STEPS;
+        let grid: Vec<[f64; 3]> = steps
+            .flat_map(|i| (0..FOLD_STEPS - i).map(move |j| [i, j]))
+            .map(|at| {
+                let [a, b] = at.map(|k| (f64::from(k) + 1.0 / 3.0) / f64::from(FOLD_STEPS));
+                [1.0 - a - b, a, b]
+            })
+            .collect();
+        let rim = self.chart.rim();
+        let on_rim = |v: &u32| rim.binary_search(v).is_ok();
+        let corners = self.chart.mesh.faces().iter();
+        let shown = corners
+            .zip(&self.chart.covered)
+            .map(|(corners, &covered)| covered || corners.iter().any(on_rim));
+        let opposed = |local: u32, covered: bool, at: [f64; 3]| {
+            let map = if covered {
+                self.chart.inside(local, at)
+            } else {
+                self.chart.outside(local, at)
+            };
+            let face = mesh.face_normal(self.chart.part.faces[local as usize]);
+            let normal = self.composed(local, &map, Order::First).normal();
+            normal.is_some_and(|normal| normal.dot(&face) < 0.0)
+        };
+        let faces = shown.enumerate().filter(|(_, shown)| *shown);
+        faces
+            .map(|(local, _)| {
+                let covered = self.chart.covered[local];
+                let points = grid.iter();
+                points
+                    .filter(|&&at| opposed(local as u32, covered, at))
+                    .count()
+            })
+            .sum()
     }
 
     fn over(around: &Around<'_>, chart: Chart) -> Result<(Self, Report), NoSmoothCap> {
@@ -194,6 +245,18 @@ impl SmoothCap {
             reason: error.to_string(),
         })?;
         Ok(Self { chart, spline })
+    }
+
+    /// Whether the map of a covered face into the chart is linear.
+    pub(super) fn is_straight(&self, face: u32) -> bool {
+        let local = self.local(face);
+        let covered = self.chart.covered[local as usize];
+        covered && !(0..3).any(|side| self.chart.is_rim(3 * local + side))
+    }
+
+    /// Returns the Bézier ordinates of the spline on a face of the chart.
+    pub(super) fn ordinates(&self, face: u32, component: usize) -> [f64; ORDINATES] {
+        self.spline.ordinates(self.local(face), component)
     }
 
     /// Returns the split of a face of the chart.

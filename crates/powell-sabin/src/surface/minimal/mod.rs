@@ -15,6 +15,8 @@
 //! elements instead of linear ones, so that the rim is matched exactly.
 
 mod relax;
+#[cfg(test)]
+mod tests;
 
 use msplines_common::Vector3;
 use msplines_common::evaluate::Order;
