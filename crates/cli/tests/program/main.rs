@@ -6,5 +6,6 @@ mod exit_codes;
 mod files;
 mod hostile;
 mod manifold;
+mod powell_sabin;
 mod solid;
 mod workbench;
