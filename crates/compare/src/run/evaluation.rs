@@ -45,6 +45,11 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
+    /// Whether what is evaluated is no more the spline of the file.
+    fn changes_spline(&self) -> bool {
+        self.sum.is_some() || !self.shifts.is_empty()
+    }
+
     /// Refuses what only solids have, and outputs that could not be written later.
     fn check_surface(&self, spline: &StoredSpline) -> Result<(), RunError> {
         let what = match self {
@@ -69,23 +74,32 @@ pub fn evaluate(
 ) -> Result<RunOutput, RunError> {
     let mut clock = PhaseClock::start(process_start);
     enter("read", &mut clock, observer);
-    let mut spline = SplineFile::read(&evaluation.spline)?;
-    if let StoredSpline::Trivariate(_) = spline.spline {
-        return solid::evaluate(evaluation, spline, &mut clock, observer);
+    let spline = SplineFile::read(&evaluation.spline)?;
+    match &spline.spline {
+        StoredSpline::Trivariate(_) => {
+            return solid::evaluate(evaluation, spline, &mut clock, observer);
+        }
+        StoredSpline::PowellSabin(_) => {
+            return powell_sabin::evaluate(evaluation, spline, &mut clock, observer);
+        }
+        StoredSpline::SparseManifold(_) => {
+            evaluation.check_surface(&spline.spline)?;
+            return manifold::evaluate(evaluation, spline, &mut clock, observer);
+        }
+        other => evaluation.check_surface(other)?,
     }
-    if let StoredSpline::PowellSabin(_) = spline.spline {
-        return powell_sabin::evaluate(evaluation, spline, &mut clock, observer);
-    }
-    evaluation.check_surface(&spline.spline)?;
-    if let StoredSpline::SparseManifold(_) = spline.spline {
-        return manifold::evaluate(evaluation, spline, &mut clock, observer);
-    }
-    let input = load_domain(
-        &spline,
-        evaluation.mesh.as_deref(),
-        &evaluation.spline,
-        &mut clock,
-    )?;
+    over_triangles(evaluation, spline, clock, observer)
+}
+
+/// Evaluates a spline at the vertices of the triangles that it lives on.
+fn over_triangles(
+    evaluation: &Evaluation,
+    mut spline: SplineFile,
+    mut clock: PhaseClock,
+    observer: &mut Observer<'_>,
+) -> Result<RunOutput, RunError> {
+    let given = evaluation.mesh.as_deref();
+    let input = load_domain(&spline, given, &evaluation.spline, &mut clock)?;
     enter("domain", &mut clock, observer);
     if let Some((factor, others)) = &evaluation.sum {
         spline.spline = sums::sum(&spline, *factor, others, &input, &mut clock)?;
@@ -101,8 +115,7 @@ pub fn evaluate(
     let names = component_names(&spline.options, dimension);
     // Neither a frame of an animation nor a changed spline is a fit of its domain.
     let is_frame = spline.options.get("frame").is_some();
-    let is_changed = evaluation.sum.is_some() || !evaluation.shifts.is_empty();
-    let measured = if names[0] == "x" && !is_frame && !is_changed {
+    let measured = if names[0] == "x" && !is_frame && !evaluation.changes_spline() {
         let data = fit_data(&Data::Positions, &input)?;
         measure::against_data(&input, &data, &values, &Data::Positions)
     } else {

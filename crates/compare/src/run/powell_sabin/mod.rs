@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::metrics::{unit_cube_error, vertex_error};
 use msplines_common::progress::{Observer, Outcome};
+use msplines_common::{Point3, Vector3};
 use msplines_conformal::{AtlasReport, SurfaceAtlas};
 use msplines_powell_sabin::surface::{Filled, SurfaceReport};
 use msplines_powell_sabin::{PowellSabinSurface, SurfaceFit, VertexCondition, fit_surface};
@@ -84,14 +85,7 @@ fn run(
     record.checks.extend(measure::surface(&checks));
     let at_vertices = write::at_input_vertices(&stored, &found, &input.mesh);
     errors(&mut record, &input, &at_vertices, &found);
-    if case.measure_distance {
-        record.distance = Some(measure::distance_to(&stored, &input.mesh, seed)?);
-    }
-    if let Some(path) = &case.reference {
-        let values = coordinates(&shown);
-        let measured = to_reference(path, &input.mesh, &shown, &values, seed)?;
-        record.checks.extend(measured);
-    }
+    distances(&mut record, case, &input, (&stored, &shown))?;
     enter("write", clock, observer);
     let written = Written {
         file: &spline,
@@ -119,21 +113,41 @@ fn run(
     })
 }
 
+/// Fills in the distances between surfaces that are asked for.
+fn distances(
+    record: &mut Record,
+    case: &Case,
+    input: &LoadedInput,
+    (stored, shown): (&PowellSabinSurface, &TriangleMesh),
+) -> Result<(), RunError> {
+    if case.measure_distance {
+        record.distance = Some(measure::distance_to(stored, &input.mesh, case.seed)?);
+    }
+    if let Some(path) = &case.reference {
+        let values = coordinates(shown);
+        let measured = to_reference(path, &input.mesh, shown, &values, case.seed)?;
+        record.checks.extend(measured);
+    }
+    Ok(())
+}
+
 /// What the surface does at each vertex of the atlas: it interpolates those of the input.
 fn conditions(
     input: &LoadedInput,
     found: &SurfaceAtlas,
-    normals: &[msplines_common::Vector3<f64>],
+    normals: &[Vector3<f64>],
 ) -> Vec<VertexCondition> {
-    let origins = found.origins.iter();
-    let condition = |origin: &Option<u32>| match origin {
-        Some(vertex) => VertexCondition::Interpolate {
-            position: input.mesh.positions()[*vertex as usize],
-            normal: normals[*vertex as usize],
+    let origins = found.origins.iter().copied();
+    let added = found.atlas.mesh().positions().iter().copied();
+    let condition = |place: (Option<u32>, Point3<f64>)| match place {
+        (Some(vertex), _) => VertexCondition::Interpolate {
+            position: input.mesh.positions()[vertex as usize],
+            normal: normals[vertex as usize],
         },
-        None => VertexCondition::Free,
+        // Added vertices lie on the facets; what is free at them is the normal.
+        (None, position) => VertexCondition::Position { position },
     };
-    origins.map(condition).collect()
+    origins.zip(added).map(condition).collect()
 }
 
 /// Tasks, data and options that mean nothing here are refused, and outputs before any work.
@@ -206,7 +220,7 @@ fn fill_in(
         .collect();
     if added > 0 {
         record.warnings.push(format!(
-            "the mesh was too coarse for its atlas: {added} vertices were added, whose places are free"
+            "the mesh was too coarse for its atlas: {added} vertices were added on its faces, whose normals are free"
         ));
     }
     record
