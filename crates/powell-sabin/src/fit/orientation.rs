@@ -5,15 +5,17 @@
 //! `[F_u F_v] = [t1 t2] X`. The surface has the normal `n`, and not `-n`, if `det X > 0`, which no
 //! linear system can ask for.
 
+use std::f64::consts::PI;
+
 use msplines_common::Vector3;
 use msplines_common::linalg::{Cholesky, Mat, Ordering, Symbolic, SymmetricMatrix};
 use msplines_common::mesh::{NONE, Topology};
+use nalgebra::{Rotation3, Unit};
 
 use super::data::{Unknowns, VertexCondition, tangents, unit};
 use super::system::System;
 use crate::domain::FlatDomain;
 use crate::error::FitError;
-use crate::vector::norm;
 
 /// Rings around a vertex that are solved again: what is farther hardly moves.
 const RINGS: usize = 3;
@@ -25,8 +27,15 @@ const GROWTH: f64 = 4.0;
 /// After so many rounds the weight is 1e11: the anchors hold, or there is nothing to be done.
 const ROUNDS: u32 = 20;
 
-/// Determinant over half the squared norm below which a facet's `X` is no target: 1 is conformal.
+/// Cosine of the angle between the normal and that of the facets below which their gradient is turned
+/// into the tangent plane, not projected.
 const TARGET: f64 = 0.1;
+
+/// How many times longer than the longest edge at a vertex the tangent along one of them may be.
+///
+/// Where the domain is needles, the gradient across them is long, and what of it leaks along an edge
+/// throws the surface far away.
+const LONGEST: f64 = 4.0;
 
 /// `X` as the unknowns of a vertex hold it: `[t1 F_u, t1 F_v, t2 F_u, t2 F_v]`.
 fn determinant(x: &[f64]) -> f64 {
@@ -63,6 +72,23 @@ pub(super) fn opposed(
         .collect()
 }
 
+/// Returns the vertices whose tangents along edges are far longer than the edges.
+fn overshooting(domain: &FlatDomain, unknowns: &Unknowns, x: &[f64]) -> Vec<u32> {
+    let vertices = 0..domain.mesh().vertex_count() as u32;
+    let position = |v: u32| Vector3::from(unknowns.numbers(v, x)[0]);
+    let is_long = |vertex: u32| {
+        let [own, by_u, by_v] = unknowns.numbers(vertex, x).map(Vector3::from);
+        let (mut tangent, mut edge) = (0.0f64, 0.0f64);
+        for h in domain.topology().outgoing(vertex) {
+            let [u, v] = domain.edge_vectors()[h as usize];
+            tangent = tangent.max((by_u * u + by_v * v).norm());
+            edge = edge.max((position(domain.topology().target(h)) - own).norm());
+        }
+        !unknowns.range(vertex).is_empty() && tangent > LONGEST * edge
+    };
+    vertices.filter(|&vertex| is_long(vertex)).collect()
+}
+
 /// Draws offending vertices towards the facets around, with growing weights, and solves their
 /// surroundings again. Returns the number of rounds.
 pub(super) fn repair(
@@ -72,21 +98,23 @@ pub(super) fn repair(
     system: &System,
     x: &mut [f64],
 ) -> Result<u32, FitError> {
-    let mut anchors: Vec<Option<(f64, [f64; 4])>> = vec![None; data.len()];
+    let mut anchors: Vec<Option<(f64, Vec<f64>)>> = vec![None; data.len()];
     let mut touched = Vec::new();
     for round in 0..ROUNDS {
-        let offending = violations(data, unknowns, x);
+        let mut offending = violations(data, unknowns, x);
+        offending.extend(overshooting(domain, unknowns, x));
+        offending.sort_unstable();
+        offending.dedup();
         if offending.is_empty() {
             return Ok(round);
         }
         for vertex in offending {
-            if let VertexCondition::Interpolate { normal, .. } = &data[vertex as usize] {
-                let (weight, _) = anchors[vertex as usize].get_or_insert_with(|| {
-                    touched.push(vertex);
-                    (WEIGHT / GROWTH, target(domain, unknowns, vertex, normal, x))
-                });
-                *weight *= GROWTH;
-            }
+            let (weight, _) = anchors[vertex as usize].get_or_insert_with(|| {
+                touched.push(vertex);
+                let target = target(domain, unknowns, vertex, &data[vertex as usize], x);
+                (WEIGHT / GROWTH, target)
+            });
+            *weight *= GROWTH;
         }
         let near = rings(domain, &touched);
         solve_near(unknowns, system, &near, &anchors, x)?;
@@ -94,37 +122,48 @@ pub(super) fn repair(
     Ok(ROUNDS)
 }
 
-/// Returns an `X` of positive determinant near that of the facets, as unknowns.
+/// Returns unknowns of a vertex whose gradient is that of the facets, in the tangent plane and oriented
+/// as the normal where there is one.
 fn target(
     domain: &FlatDomain,
     unknowns: &Unknowns,
     vertex: u32,
-    normal: &Vector3<f64>,
+    condition: &VertexCondition,
     x: &[f64],
-) -> [f64; 4] {
+) -> Vec<f64> {
     let gradient = facet_gradient(domain, vertex, |v| unknowns.numbers(v, x)[0].into());
     let length = unknowns.lengths[vertex as usize];
-    let frame = tangents(&unit(normal).unwrap_or_default());
-    let [a, b, c, d] =
-        [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(t, p)| length * frame[t].dot(&gradient[p]));
-    let square = a * a + b * b + c * c + d * d;
-    let size = length * (gradient[0].norm_squared() + gradient[1].norm_squared()).sqrt();
-    if determinant(&[a, b, c, d]) > TARGET * 0.5 * square {
-        return [a, b, c, d];
-    }
-    // The nearest similarity, of the size of the gradient.
-    let (cosine, sine) = (0.5 * (a + d), 0.5 * (c - b));
-    let norm = cosine.hypot(sine);
-    let scale = size / std::f64::consts::SQRT_2;
-    if norm > 1e-3 * scale {
-        let [cosine, sine] = [cosine, sine].map(|s| s / norm * scale);
-        [cosine, -sine, sine, cosine]
-    } else {
-        [scale, 0.0, 0.0, scale]
+    match condition {
+        VertexCondition::Interpolate { normal, .. } => {
+            let normal = unit(normal).unwrap_or_default();
+            let gradient = turned(gradient, &normal);
+            let along = |t: Vector3<f64>| [0, 1].map(|p| length * t.dot(&gradient[p]));
+            tangents(&normal).map(along).concat()
+        }
+        // The last unknowns are the components of both derivatives, after those of a free position.
+        _ => {
+            let count = unknowns.range(vertex).len();
+            let held = &x[unknowns.range(vertex)][..count.saturating_sub(6)];
+            let derivatives = gradient.iter().flat_map(|g| g.iter().map(|c| length * c));
+            held.iter().copied().chain(derivatives).collect()
+        }
     }
 }
 
-/// Returns the least-squares gradient of the edges at a vertex: derivatives by `u` and `v`.
+/// Returns a gradient in the plane across `normal`, oriented by it: projected, or turned with its own
+/// normal where that leaves too little.
+fn turned(gradient: [Vector3<f64>; 2], normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let own = gradient[0].cross(&gradient[1]);
+    if own.dot(normal) > TARGET * own.norm() {
+        return gradient;
+    }
+    let half_turn = || Rotation3::from_axis_angle(&Unit::new_unchecked(tangents(normal)[0]), PI);
+    let rotation = Rotation3::rotation_between(&own, normal).unwrap_or_else(half_turn);
+    gradient.map(|g| rotation * g)
+}
+
+/// Returns the gradient that best tells the edges at a vertex, each relative to its length: derivatives
+/// by `u` and `v`.
 fn facet_gradient(
     domain: &FlatDomain,
     vertex: u32,
@@ -135,8 +174,9 @@ fn facet_gradient(
     let mut sides = [Vector3::zeros(); 2];
     let own = position(vertex);
     let mut add = |flat: [f64; 2], other: u32| {
-        let weight = 1.0 / norm(flat).powi(2);
         let chord = position(other) - own;
+        // The misses count in lengths of space: flat ones say nothing where the domain is needles.
+        let weight = 1.0 / chord.norm_squared();
         normal[0] += weight * flat[0] * flat[0];
         normal[1] += weight * flat[0] * flat[1];
         normal[2] += weight * flat[1] * flat[1];
@@ -179,7 +219,7 @@ fn solve_near(
     unknowns: &Unknowns,
     system: &System,
     near: &[u32],
-    anchors: &[Option<(f64, [f64; 4])>],
+    anchors: &[Option<(f64, Vec<f64>)>],
     x: &mut [f64],
 ) -> Result<(), FitError> {
     let inside: Vec<usize> = near.iter().flat_map(|&v| unknowns.range(v)).collect();
@@ -202,7 +242,7 @@ fn solve_near(
     let diagonal = system.matrix.diagonal();
     for &vertex in near {
         let range = unknowns.range(vertex);
-        if let Some((weight, target)) = anchors[vertex as usize] {
+        if let Some((weight, target)) = &anchors[vertex as usize] {
             let own = diagonal[range.clone()].iter().sum::<f64>() / range.len() as f64;
             for (k, target) in range.zip(target) {
                 let place = places[k];
