@@ -33,8 +33,8 @@ use crate::potentials::Potentials;
 /// Weight of an edge that could not be flipped although its cotangents sum to less than zero.
 ///
 /// Such edges surround the tips of needles, where another flip would wind an edge around the tip and
-/// leave it with one neighbour, on which it would be laid. Any positive weights let none fold there;
-/// this one is that of two angles of 84 degrees.
+/// leave it with one neighbour, on which it would be laid. The weight is that of two angles of 84
+/// degrees.
 const NEEDLE_WEIGHT: f64 = 0.1;
 
 /// Least weights of all edges. Weights of zero, as cocircular points have them, may leave a vertex on
@@ -63,14 +63,15 @@ pub struct HolomorphicBasis {
     conjugation: DMatrix<f64>,
     /// `|C² + I|`, root mean square of the entries: the error of the discretisation.
     pub conjugation_defect: f64,
-    /// Largest flux `|dᵀ c H_k|` out of a vertex, relative to the largest flux through an edge.
+    /// Largest flux `|dᵀ c H_k|` out of a vertex, relative to the largest one of any form through a
+    /// half-edge at that vertex.
     pub co_closedness: f64,
     /// Number of edges whose weight is not that of the cotangents.
     pub changed_edges: usize,
 }
 
 impl HolomorphicBasis {
-    /// Builds the basis: one factorisation and 2g right-hand sides, solved thrice.
+    /// Builds the basis: one factorisation and 2g right-hand sides, solved until fluxes balance.
     ///
     /// # Errors
     /// A boundary, several components, genus 0, or coordinates that are not finite.

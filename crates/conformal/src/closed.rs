@@ -54,48 +54,62 @@ impl Atlas {
     /// # Errors
     /// As [`HolomorphicBasis::build`] and [`FormChoice::candidates`]; a mesh that stays too coarse.
     pub fn closed(mesh: &TriangleMesh, choice: &FormChoice) -> Result<ClosedAtlas, ConformalError> {
-        let mut search = Search {
-            mesh: mesh.clone(),
-            homology: Homology::build(mesh.topology())?,
-            relaxed: Vec::new(),
-            kept: None,
-            parents: (0..mesh.face_count() as u32).collect(),
+        // An atlas with needles is better than none.
+        search(mesh, choice, NEEDLE_ROUNDS).or_else(|error| match error {
+            ConformalError::Folded { .. } | ConformalError::TooCoarse { .. } => {
+                search(mesh, choice, 0)
+            }
+            other => Err(other),
+        })
+    }
+}
+
+/// Searches for an atlas, mending needles in the first rounds.
+fn search(
+    mesh: &TriangleMesh,
+    choice: &FormChoice,
+    needle_rounds: usize,
+) -> Result<ClosedAtlas, ConformalError> {
+    let mut search = Search {
+        mesh: mesh.clone(),
+        homology: Homology::build(mesh.topology())?,
+        relaxed: Vec::new(),
+        kept: None,
+        parents: (0..mesh.face_count() as u32).collect(),
+    };
+    let mut round = 0;
+    loop {
+        let basis = HolomorphicBasis::of(&search.mesh, &search.homology, &search.relaxed)?;
+        let ground = Ground::build(&search.mesh, basis.triangulation());
+        let candidates = match &search.kept {
+            Some(form) => vec![choice.carried(form, &basis)],
+            None => choice.candidates(&basis)?,
         };
-        let mut round = 0;
-        loop {
-            let basis = HolomorphicBasis::of(&search.mesh, &search.homology, &search.relaxed)?;
-            let ground = Ground::build(&search.mesh, basis.triangulation());
-            let candidates = match &search.kept {
-                Some(form) => vec![choice.carried(form, &basis)],
-                None => choice.candidates(&basis)?,
-            };
-            let tried = candidates.into_iter().map(|form| {
-                let (flat, findings) =
-                    ground.lay_out(basis.form([&form.real, &form.imaginary]), None);
-                (form, flat, findings)
-            });
-            let Some((form, flat, mut findings)) = best(tried) else {
-                return Err(ConformalError::ZeroForm);
-            };
-            let clean = findings.is_clean();
-            if clean && round < NEEDLE_ROUNDS {
-                findings.folded = needles(&flat, &search.mesh, &findings);
-            }
-            if findings.is_clean() || (clean && round == ROUNDS) {
-                let atlas = ground.atlas(flat, findings.zeros, mesh.vertex_count(), round)?;
-                return Ok(ClosedAtlas {
-                    atlas,
-                    mesh: search.mesh,
-                    basis,
-                    form,
-                    parents: search.parents,
-                });
-            }
-            if round == ROUNDS || !search.mend(round, form, &flat, &findings) {
-                return Err(failure(&flat, &findings, round));
-            }
-            round += 1;
+        let tried = candidates.into_iter().map(|form| {
+            let (flat, findings) = ground.lay_out(basis.form([&form.real, &form.imaginary]), None);
+            (form, flat, findings)
+        });
+        let Some((form, flat, mut findings)) = best(tried) else {
+            return Err(ConformalError::ZeroForm);
+        };
+        let clean = findings.is_clean();
+        if clean && round < needle_rounds {
+            findings.folded = needles(&flat, &search.mesh, &findings);
         }
+        if findings.is_clean() {
+            let atlas = ground.atlas(flat, findings.zeros, mesh.vertex_count(), round)?;
+            return Ok(ClosedAtlas {
+                atlas,
+                mesh: search.mesh,
+                basis,
+                form,
+                parents: search.parents,
+            });
+        }
+        if round == ROUNDS || !search.mend(round, form, &flat, &findings) {
+            return Err(failure(&flat, &findings, round));
+        }
+        round += 1;
     }
 }
 

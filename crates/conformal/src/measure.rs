@@ -5,6 +5,7 @@
 //! On one triangle the map is linear. With complex coordinates it is `z ↦ p z + q z̄`, its singular
 //! values are `|p| + |q|` and `||p| - |q||`, and it keeps orientation where `|p| > |q|`.
 
+pub use msplines_common::operators::triangle_area as area;
 use nalgebra::Vector3;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 use serde::{Deserialize, Serialize};
@@ -73,16 +74,6 @@ fn percentile(ascending: &[(f64, f64)], weight: f64) -> f64 {
         }
     }
     ascending.last().map_or(f64::NAN, |entry| entry.0)
-}
-
-/// Returns the area of a triangle by Heron's formula in Kahan's order, accurate for slivers.
-#[must_use]
-pub fn area(sides: [f64; 3]) -> f64 {
-    let mut sorted = sides;
-    sorted.sort_by(f64::total_cmp);
-    let [c, b, a] = sorted;
-    let product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
-    0.25 * product.max(0.0).sqrt()
 }
 
 /// Returns the stretch of a triangle of the given sides whose edges have the images `edges`.

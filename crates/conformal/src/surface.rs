@@ -166,7 +166,8 @@ fn disk(mesh: &TriangleMesh, origins: Vec<u32>) -> Result<SurfaceAtlas, Conforma
 
 fn bounded(mesh: &TriangleMesh, mut origins: Vec<u32>) -> Result<SurfaceAtlas, ConformalError> {
     let mut refined = mesh.clone();
-    for round in 0..=BOUNDED_ROUNDS {
+    let mut round = 0;
+    loop {
         refined = without_flat_faces(&refined)?;
         let levels = levels(&refined);
         let found = bounded_form(&refined, &levels, FlipRule::Simplicial)?;
@@ -175,6 +176,7 @@ fn bounded(mesh: &TriangleMesh, mut origins: Vec<u32>) -> Result<SurfaceAtlas, C
         if !findings.is_clean() {
             let split = split_around(&refined, &flat, &findings).filter(|_| round < BOUNDED_ROUNDS);
             refined = split.ok_or_else(|| failure(&flat, &findings, round))?.mesh;
+            round += 1;
             continue;
         }
         let atlas = ground.atlas(flat, findings.zeros, mesh.vertex_count(), round)?;
@@ -184,7 +186,6 @@ fn bounded(mesh: &TriangleMesh, mut origins: Vec<u32>) -> Result<SurfaceAtlas, C
         atlas.structure = Structure::Bounded { levels };
         return Ok(atlas);
     }
-    unreachable!("the last round returns")
 }
 
 /// A sphere with holes as a disk: where its harmonic function has zeros too near to a hole.

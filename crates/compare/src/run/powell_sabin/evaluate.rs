@@ -1,11 +1,10 @@
 //! Powell-Sabin splines in files, evaluated again.
 
 use msplines_common::progress::Observer;
-use serde_json::json;
 
 use super::write::{Written, check, vertex_positions, write};
-use super::{MOST_SEGMENTS, SHOWN_SEGMENTS, coordinates, pictures, record_of, tessellation};
-use crate::clock::{PhaseClock, process_usage};
+use super::{MOST_SEGMENTS, SHOWN_SEGMENTS, output, record_of, tessellation};
+use crate::clock::PhaseClock;
 use crate::error::{PowellSabinError, RunError};
 use crate::input::load_domain;
 use crate::run::{Evaluation, RunOutput, enter};
@@ -46,22 +45,6 @@ pub(in crate::run) fn evaluate(
         at_vertices: &at_vertices,
     };
     write(&evaluation.outputs, &written)?;
-    clock.leave();
-    let mut record = record_of(&input, &file, &spline, evaluation.seed);
-    let points = json!(at_vertices.vertex_count());
-    record.checks.insert("evaluated_points".to_owned(), points);
-    record.seconds = clock.read();
-    record.peak_rss_bytes = process_usage().peak_rss_bytes;
-    Ok(RunOutput {
-        record,
-        spline: Some(file),
-        values: coordinates(&shown),
-        mesh: shown,
-        names: ["x", "y", "z"].map(str::to_owned).to_vec(),
-        fields: Vec::new(),
-        knots: Vec::new(),
-        frames: Vec::new(),
-        companions: pictures::companions(&spline),
-        texture: None,
-    })
+    let record = record_of(&input, &file, &spline, evaluation.seed);
+    Ok(output(record, file, shown, &at_vertices, &spline, clock))
 }

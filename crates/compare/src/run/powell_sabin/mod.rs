@@ -94,23 +94,37 @@ fn run(
         at_vertices: &at_vertices,
     };
     write::write(&case.outputs, &written)?;
+    let mut output = output(record, spline, shown, &at_vertices, &stored, clock);
+    output.knots = conformal::zeros(&found.atlas);
+    Ok(output)
+}
+
+/// Fills in what is known at the end.
+fn output(
+    mut record: Record,
+    file: SplineFile,
+    shown: TriangleMesh,
+    at_vertices: &TriangleMesh,
+    spline: &PowellSabinSurface,
+    clock: &mut PhaseClock,
+) -> RunOutput {
     clock.leave();
     let points = json!(at_vertices.vertex_count());
     record.checks.insert("evaluated_points".to_owned(), points);
     record.seconds = clock.read();
     record.peak_rss_bytes = process_usage().peak_rss_bytes;
-    Ok(RunOutput {
+    RunOutput {
         record,
-        spline: Some(spline),
+        spline: Some(file),
         values: coordinates(&shown),
         mesh: shown,
         names: ["x", "y", "z"].map(str::to_owned).to_vec(),
         fields: Vec::new(),
-        knots: conformal::zeros(&found.atlas),
+        knots: Vec::new(),
         frames: Vec::new(),
-        companions: pictures::companions(&stored),
+        companions: pictures::companions(spline),
         texture: None,
-    })
+    }
 }
 
 /// Fills in the distances between surfaces that are asked for.
