@@ -101,6 +101,7 @@ pub fn fit_surface(
         .map_err(|e| e.renamed(&part.vertices))?;
     let around = Around {
         mesh,
+        holes: atlas.zeros().len(),
         form: atlas.form(),
         regular: &regular.spline,
         part: &part,

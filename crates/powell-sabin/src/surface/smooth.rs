@@ -33,6 +33,29 @@ const REACHES: [Reach; 7] = [
 /// Steps along the sides of a face at which folds are looked for.
 const FOLD_STEPS: u32 = 4;
 
+/// One ring is covered for so many faces along the side of a square that a hole has for itself.
+const FACES_PER_RING: f64 = 20.0;
+
+/// Most rings that are covered; the places in a chart are found by a dense factorisation.
+const MOST_COVERED: u32 = 16;
+
+/// Returns how far charts around holes go, in the order in which they are tried.
+///
+/// Beside a zero the surface is no smooth function of `z`: at the distance of `k` edges its slope changes by the
+/// share `1 / k` along each. A cap of a fixed size on the surface therefore keeps the order of accuracy,
+/// and one of a fixed number of rings does not.
+fn reaches(around: &Around<'_>) -> Vec<Reach> {
+    let faces = around.mesh.face_count() as f64 / around.holes as f64;
+    let mut covered = ((faces.sqrt() / FACES_PER_RING) as u32).min(MOST_COVERED);
+    let mut wide = Vec::new();
+    while covered > 1 {
+        wide.push(reach(covered, covered + 2));
+        covered /= 2;
+    }
+    wide.extend(REACHES);
+    wide
+}
+
 const fn reach(covered: u32, rings: u32) -> Reach {
     Reach { covered, rings }
 }
@@ -40,6 +63,8 @@ const fn reach(covered: u32, rings: u32) -> Reach {
 /// What caps are fitted to.
 pub(super) struct Around<'a> {
     pub(super) mesh: &'a TriangleMesh,
+    /// Number of holes in it.
+    pub(super) holes: usize,
     pub(super) form: &'a [[f64; 2]],
     pub(super) regular: &'a PowellSabinSpline,
     pub(super) part: &'a Part,
@@ -65,7 +90,7 @@ impl SmoothCap {
         let in_hole = |face: u32| around.part.face(face).is_none();
         let mut failed = None;
         let mut best: Option<(usize, Self, Report)> = None;
-        for reach in REACHES {
+        for reach in reaches(around) {
             let chart = Chart::build(around.mesh, around.form, in_hole, zero, reach);
             let placed = chart.and_then(|mut chart| {
                 if chart.covered_vertices().any(|v| taken[v as usize]) {

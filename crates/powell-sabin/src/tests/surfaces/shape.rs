@@ -63,10 +63,12 @@ fn round_surfaces_are_approached() {
         let [coarse, fine] = sizes.map(|n| errors(&make(n), Fill::Smooth, closest));
         let [open_coarse, open_fine] = sizes.map(|n| errors(&make(n), Fill::Open, closest));
         for k in 0..2 {
-            // Lengths of edges fall by 4. Free are the lengths of tangents, which the fairest surface has
-            // to the first order only: the error falls a little faster than its square.
+            // Lengths of edges fall by 4; quadratics give the third order in place and the second in
+            // direction. At the pole caps of a fixed size on the surface keep that; the map into them
+            // is less smooth.
             let rate = (coarse[k] / fine[k]).log2() / 2.0;
-            assert!(rate > [2.0, 1.0][k], "{name}: {coarse:?} {fine:?}");
+            let due = if name == "sphere" { [2.8, 1.4] } else { [2.9, 1.9] };
+            assert!(rate > due[k], "{name}: {rate} {coarse:?} {fine:?}");
             // Caps are no worse than what is around them.
             assert!(
                 coarse[k] <= open_coarse[k] && fine[k] <= open_fine[k],
