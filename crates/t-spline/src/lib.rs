@@ -1,0 +1,13 @@
+//! T-splines over conformal nets of surfaces of any genus.
+//!
+//! The horizontal trajectories of a holomorphic 1-form with integer periods are closed, but for those
+//! through its zeros: these cut the surface into cylinders, glued along their borders by translations.
+//! A [`CylinderComplex`] holds that in exact integers; a T-mesh of boxes on it carries one cubic T-spline
+//! without a seam.
+//!
+//! # Reference
+//! [He2006].
+
+pub mod complex;
+
+pub use complex::CylinderComplex;
