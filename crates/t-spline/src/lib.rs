@@ -9,5 +9,6 @@
 //! [He2006].
 
 pub mod complex;
+pub mod tmesh;
 
 pub use complex::CylinderComplex;

@@ -13,13 +13,15 @@
 //! [He2006] §3.2. Deviation: the paper glues rectangles along critical graphs in real numbers; here the
 //! lengths are rounded once, as a flow, and then exact.
 
+mod develop;
 mod error;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod walk;
 
 use serde::{Deserialize, Serialize};
 
+pub use develop::{Development, Piece};
 pub use error::ComplexError;
 pub use walk::{Point, Stop};
 

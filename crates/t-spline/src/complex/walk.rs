@@ -71,6 +71,18 @@ impl CylinderComplex {
         Node { cylinder, x, y }
     }
 
+    /// Returns the zero at a point of a border, if there is one.
+    ///
+    /// # Panics
+    /// If there is no such cylinder.
+    #[must_use]
+    pub fn zero_at(&self, cylinder: u32, border: Border, x: i64) -> Option<u32> {
+        let segment = self.segment(cylinder, border, x);
+        let size = self.cylinders[cylinder as usize].circumference;
+        let starts = segment.start == x.rem_euclid(size);
+        segment.zero.filter(|_| starts)
+    }
+
     /// Returns the node on the other side of a border.
     ///
     /// # Errors
