@@ -8,7 +8,15 @@
 //! # Reference
 //! [He2006].
 
+pub mod blend;
+pub mod caps;
 pub mod complex;
+pub mod space;
+pub mod spline;
+pub mod support;
 pub mod tmesh;
 
 pub use complex::CylinderComplex;
+pub use space::TSplineSpace;
+pub use spline::TSpline;
+pub use tmesh::TMesh;

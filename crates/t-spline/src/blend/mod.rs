@@ -9,7 +9,7 @@
 //! [He2006] Eq. (1); the recursion of Cox and de Boor.
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 /// A cubic on one span.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -91,34 +91,35 @@ impl Blend {
 
 /// Returns the cubic on a span by the recursion, in polynomials of `s` with `t = origin + slope s`.
 fn cubic(k: &[f64; 5], span: usize, origin: f64, slope: f64) -> [f64; 4] {
-    let mut n = [[0.0; 4]; 5];
+    let mut n = [[0.0; 4]; 4];
     n[span][0] = 1.0;
     for p in 1..=3 {
-        for i in 0..4 - p + 1 {
-            let mut next = [0.0; 4];
+        for i in 0..=3 - p {
             let rising = k[i + p] - k[i];
-            if rising > 0.0 {
-                add_product(&mut next, &n[i], [(origin - k[i]) / rising, slope / rising]);
-            }
-            if i + p < 4 {
-                let falling = k[i + p + 1] - k[i + 1];
-                if falling > 0.0 {
-                    let line = [(k[i + p + 1] - origin) / falling, -slope / falling];
-                    add_product(&mut next, &n[i + 1], line);
-                }
-            }
-            n[i] = next;
+            let up = [origin - k[i], slope];
+            let falling = k[i + p + 1] - k[i + 1];
+            let down = [k[i + p + 1] - origin, -slope];
+            let terms = [
+                product(&n[i], up, rising),
+                product(&n[i + 1], down, falling),
+            ];
+            n[i] = std::array::from_fn(|c| terms[0][c] + terms[1][c]);
         }
     }
     n[0]
 }
 
-/// Adds a polynomial times a line.
-fn add_product(sum: &mut [f64; 4], polynomial: &[f64; 4], line: [f64; 2]) {
-    for i in 0..4 {
-        sum[i] += polynomial[i] * line[0];
-        if i > 0 {
-            sum[i] += polynomial[i - 1] * line[1];
-        }
+/// Returns a polynomial times a line over a width, or zero if that is zero.
+fn product(polynomial: &[f64; 4], line: [f64; 2], width: f64) -> [f64; 4] {
+    if width <= 0.0 {
+        return [0.0; 4];
     }
+    let [a, b] = line.map(|c| c / width);
+    let p = polynomial;
+    [
+        p[0] * a,
+        p[1] * a + p[0] * b,
+        p[2] * a + p[1] * b,
+        p[3] * a + p[2] * b,
+    ]
 }

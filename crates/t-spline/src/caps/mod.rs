@@ -275,8 +275,8 @@ fn at_zero(
     point: Point,
 ) -> Option<CapPoint> {
     let y = match patch.border {
-        Border::Bottom => point.y,
-        Border::Top => point.y - height,
+        Border::Bottom => point.y.max(0.0),
+        Border::Top => (point.y - height).min(0.0),
     } / UNITS;
     if y.abs() >= cap.radius {
         return None;
@@ -296,7 +296,7 @@ fn at_zero(
     // A half disk below runs from the negative real axis on, as if turned by half a turn.
     let local = match patch.border {
         Border::Bottom => z.im.atan2(z.re),
-        Border::Top => (-z.im).atan2(-z.re),
+        Border::Top => (0.0 - z.im).atan2(-z.re),
     };
     let share = 1.0 / f64::from(order + 1);
     let (angle, stretch) = ((patch.angle + local) * share, z.norm() / cap.radius);

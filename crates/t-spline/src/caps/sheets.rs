@@ -25,7 +25,8 @@ pub(super) fn around(complex: &CylinderComplex, zero: u32) -> Result<Sheets, Cap
     let broken = CapsError::Zero { zero };
     let count = |border| {
         let cylinders = 0..complex.cylinders().len() as u32;
-        let segments = cylinders.flat_map(|c| complex.border(c, border).iter().map(move |s| (c, s)));
+        let segments =
+            cylinders.flat_map(|c| complex.border(c, border).iter().map(move |s| (c, s)));
         let mut found = segments.filter(|(_, s)| s.zero == Some(zero));
         let first = found.next();
         (first, usize::from(first.is_some()) + found.count())

@@ -104,7 +104,7 @@ impl TMesh {
     ///
     /// # Errors
     /// Another number of grids than cylinders; a grid without cells, or with cells too small to split.
-    pub fn build(complex: Arc<CylinderComplex>, grids: &[Grid]) -> Result<Self, TMeshError> {
+    pub fn build(complex: &Arc<CylinderComplex>, grids: &[Grid]) -> Result<Self, TMeshError> {
         let cylinders = complex.cylinders().len();
         if grids.len() != cylinders {
             return Err(TMeshError::Grids {
@@ -113,7 +113,7 @@ impl TMesh {
             });
         }
         let mut mesh = Self {
-            complex: Arc::clone(&complex),
+            complex: Arc::clone(complex),
             grids: grids.to_vec(),
             splits: Vec::new(),
             branches: Vec::new(),

@@ -1,0 +1,303 @@
+//! Tilings, lines and grading of meshes on small complexes.
+
+use std::collections::BTreeSet;
+
+use super::*;
+use crate::complex::tests::double_torus;
+use crate::complex::{Beyond, Border, Cylinder, Node, Segment};
+
+/// Numbers that are the same in every run.
+pub(crate) struct Sequence(pub(crate) u64);
+
+impl Sequence {
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// In `[0, 1)`.
+    pub(crate) fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// The double torus with units of a realistic size, sheared by lengths that are no round numbers.
+pub(crate) fn large_double_torus() -> Arc<CylinderComplex> {
+    let scale = (1_i64 << 34) + 12_345;
+    let mut cylinders = double_torus().cylinders().to_vec();
+    for cylinder in &mut cylinders {
+        cylinder.circumference *= scale;
+        cylinder.height *= scale;
+        for segment in cylinder.bottom.iter_mut().chain(&mut cylinder.top) {
+            segment.start *= scale;
+            segment.length *= scale;
+            if let Beyond::Cylinder { start, .. } = &mut segment.beyond {
+                *start *= scale;
+            }
+        }
+    }
+    Arc::new(CylinderComplex::build(cylinders).expect("a surface"))
+}
+
+/// A cylinder from a boundary at the bottom to a boundary or a pole at the top.
+pub(crate) fn open_cylinder(top: Beyond) -> Arc<CylinderComplex> {
+    let size = 1_i64 << 43;
+    let border = |beyond| {
+        vec![Segment {
+            start: 0,
+            length: size,
+            beyond,
+            zero: None,
+        }]
+    };
+    let cylinder = Cylinder {
+        circumference: size,
+        height: size + size / 3,
+        bottom: border(Beyond::Boundary { index: 0 }),
+        top: border(top),
+    };
+    Arc::new(CylinderComplex::build(vec![cylinder]).expect("a surface"))
+}
+
+pub(crate) fn large_torus(twist: f64) -> Arc<CylinderComplex> {
+    let size = (1_i64 << 43) + 77;
+    let twist = (twist * size as f64) as i64;
+    Arc::new(CylinderComplex::torus(size, size / 2 + 5, twist).expect("a torus"))
+}
+
+/// A mesh with even grids and random splits.
+pub(crate) fn random_mesh(
+    complex: &Arc<CylinderComplex>,
+    grid: Grid,
+    splits: usize,
+    seed: u64,
+) -> TMesh {
+    let grids = vec![grid; complex.cylinders().len()];
+    let mut mesh = TMesh::build(complex, &grids).expect("a mesh");
+    let mut numbers = Sequence(seed);
+    for _ in 0..splits {
+        let leaf = (numbers.next() % mesh.leaves().len() as u64) as u32;
+        let axis = [Axis::X, Axis::Y, Axis::Both][(numbers.next() % 3) as usize];
+        mesh.refine(&[(leaf, axis)], &Grading::default());
+    }
+    mesh
+}
+
+const GRID: Grid = Grid {
+    columns: 4,
+    rows: 3,
+};
+
+#[test]
+fn leaves_tile_cylinders_and_both_sides_of_borders() {
+    let complex = large_double_torus();
+    for seed in 0..10 {
+        let mesh = random_mesh(&complex, GRID, 100, seed);
+        let area = |l: &Leaf| i128::from(l.size()[0]) * i128::from(l.size()[1]);
+        assert_eq!(mesh.leaves().iter().map(area).sum::<i128>(), complex.area());
+        for (k, cylinder) in complex.cylinders().iter().enumerate() {
+            for y in [0, cylinder.height] {
+                let beside = mesh.leaves().iter().filter(|l| l.cylinder == k as u32);
+                let widths = beside.filter(|l| l.y.contains(&y)).map(|l| l.size()[0]);
+                assert_eq!(widths.sum::<i64>(), cylinder.circumference);
+            }
+        }
+        // Every leaf is found at its corners, from the sides on which it lies.
+        for (index, leaf) in mesh.leaves().iter().enumerate() {
+            for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                let sides = [i, j].map(|s| [Side::High, Side::Low][s]);
+                let at = [leaf.x[i], leaf.y[j]];
+                assert_eq!(mesh.locate(leaf.cylinder, at, sides), index as u32);
+            }
+        }
+        let mut again = TMesh::build(&complex, mesh.grids()).expect("a mesh");
+        for &(leaf, axis) in mesh.splits() {
+            assert!(again.split(leaf, axis));
+        }
+        assert_eq!(again, mesh);
+    }
+}
+
+/// All boxes of a torus in the plane, around the origin.
+pub(crate) fn unrolled(mesh: &TMesh) -> Vec<[[i64; 2]; 2]> {
+    let cylinder = &mesh.complex().cylinders()[0];
+    let Beyond::Cylinder { start: twist, .. } = cylinder.top[0].beyond else {
+        panic!("a torus");
+    };
+    let mut boxes = Vec::new();
+    for q in -4..=4 {
+        for p in -8..=8 {
+            let shift = [p * cylinder.circumference - q * twist, q * cylinder.height];
+            for leaf in mesh.leaves() {
+                let x = leaf.x.map(|x| x + shift[0]);
+                boxes.push([x, leaf.y.map(|y| y + shift[1])]);
+            }
+        }
+    }
+    boxes
+}
+
+/// The first two lines of boxes that a ray meets, by looking at all of them.
+pub(crate) fn met(boxes: &[[[i64; 2]; 2]], from: [i64; 2], axis: usize, sign: i64) -> [i64; 2] {
+    let beside = boxes.iter().filter(|b| {
+        let [low, high] = b[1 - axis];
+        low <= from[1 - axis] && from[1 - axis] <= high
+    });
+    let ahead = beside
+        .flat_map(|b| b[axis])
+        .map(|c| sign * (c - from[axis]));
+    let distances: BTreeSet<i64> = ahead.filter(|&d| d > 0).collect();
+    let mut distances = distances.into_iter();
+    [0, 1].map(|_| distances.next().expect("a line"))
+}
+
+#[test]
+fn rays_meet_what_a_walk_over_all_boxes_meets() {
+    for (seed, twist) in [0.0, 0.25, 0.3717, 0.93].into_iter().enumerate() {
+        let mesh = random_mesh(&large_torus(twist), GRID, 12, seed as u64);
+        let boxes = unrolled(&mesh);
+        for node in mesh.anchors() {
+            for (axis, sign, direction) in [
+                (0, -1, Direction::Left),
+                (0, 1, Direction::Right),
+                (1, -1, Direction::Down),
+                (1, 1, Direction::Up),
+            ] {
+                let ray = mesh.ray(node, direction);
+                let expected = met(&boxes, [node.x, node.y], axis, sign);
+                assert_eq!((ray.crossings, ray.stop), (expected, None), "{node:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rays_say_what_stops_them() {
+    let mesh = random_mesh(&large_double_torus(), GRID, 0, 0);
+    let top = mesh.complex().cylinders()[0].height;
+    let row = mesh.leaves()[0].y[1];
+    assert_eq!(mesh.leaves()[0].y[0], 0);
+    // Below and above zeros, on their vertical lines.
+    let node = |y| Node {
+        cylinder: 0,
+        x: 0,
+        y,
+    };
+    let down = mesh.ray(node(row), Direction::Down);
+    assert_eq!(
+        (down.crossings, down.stop),
+        ([row, row], Some(RayStop::Zero))
+    );
+    let rows: BTreeSet<i64> = mesh
+        .leaves()
+        .iter()
+        .filter(|l| l.cylinder == 0)
+        .map(|l| l.y[0])
+        .collect();
+    let last = *rows.last().expect("rows");
+    let up = mesh.ray(node(last), Direction::Up);
+    assert_eq!(up.crossings, [top - last; 2]);
+    assert_eq!(up.stop, Some(RayStop::Zero));
+    // On a critical line, between zeros: 400 of cylinder 0, which are all of cylinder 1.
+    let on_line = mesh
+        .anchors()
+        .into_iter()
+        .find(|n| (n.cylinder, n.y) == (1, 0));
+    let on_line = on_line.expect("columns inside of every connection");
+    for direction in [Direction::Left, Direction::Right] {
+        let mut way = mesh.ray(on_line, direction);
+        if way.stop.is_none() {
+            // The second line is at most the zero.
+            way.crossings[0] = way.crossings[1];
+        }
+        let end = match direction {
+            Direction::Left => on_line.x - way.crossings[0],
+            _ => on_line.x + way.crossings[0],
+        };
+        assert!((0..=mesh.complex().cylinders()[1].circumference).contains(&end));
+    }
+    for (beyond, stop) in [
+        (Beyond::Boundary { index: 1 }, RayStop::Boundary),
+        (Beyond::Pole { index: 0 }, RayStop::Pole),
+    ] {
+        let mesh = random_mesh(&open_cylinder(beyond), GRID, 0, 0);
+        let height = mesh.complex().cylinders()[0].height;
+        for node in mesh.anchors() {
+            assert_eq!(mesh.open_border(node).is_some(), node.y % height == 0);
+            let up = mesh.ray(node, Direction::Up);
+            let left = height - node.y;
+            assert_eq!(
+                up.stop,
+                (up.crossings[1] == left && up.crossings[0] == left).then_some(stop)
+            );
+            assert_eq!(left == 0, up.crossings == [0, 0]);
+        }
+    }
+}
+
+#[test]
+fn grading_bounds_neighbours_and_shapes() {
+    let grading = Grading {
+        levels: Some(1),
+        aspect: 8.0,
+    };
+    let complex = large_double_torus();
+    let mut mesh = TMesh::build(&complex, &[GRID; 3]).expect("a mesh");
+    let mut numbers = Sequence(5);
+    for _ in 0..40 {
+        // Again and again near one corner, which needs much around it.
+        let near = mesh.leaf_of(crate::complex::Point {
+            cylinder: 0,
+            x: 3.0e12 * numbers.unit(),
+            y: 1.0,
+        });
+        let axis = [Axis::X, Axis::Y, Axis::Both][(numbers.next() % 3) as usize];
+        let before = mesh.leaves().len();
+        let more = mesh.refine(&[(near, axis)], &grading);
+        assert!(more > 0 && mesh.leaves().len() == before + more);
+    }
+    assert!(mesh.leaves().iter().any(|l| l.level[0] > 4));
+    for (index, leaf) in mesh.leaves().iter().enumerate() {
+        for other in mesh.neighbours(index as u32) {
+            let level = mesh.leaves()[other as usize].level;
+            assert!(level[0].abs_diff(leaf.level[0]) <= 1);
+            assert!(level[1].abs_diff(leaf.level[1]) <= 1);
+            assert!(mesh.neighbours(other).contains(&(index as u32)));
+        }
+        let [w, h] = leaf.size();
+        assert!(w.max(h) <= 8 * w.min(h) + 64);
+    }
+}
+
+#[test]
+fn grids_that_fit_nothing_are_named() {
+    let complex = large_double_torus();
+    let wrong = TMesh::build(&complex, &[GRID; 2]).expect_err("two grids for three");
+    assert_eq!(
+        wrong.to_string(),
+        "2 base grids for 3 cylinders; give one for each"
+    );
+    let none = Grid {
+        columns: 0,
+        rows: 1,
+    };
+    let wrong = TMesh::build(&complex, &[GRID, none, GRID]).expect_err("no columns");
+    assert_eq!(wrong, TMeshError::Grid { cylinder: 1 });
+    let mut tiny = TMesh::build(&Arc::new(double_torus()), &[GRID; 3]).expect("a mesh");
+    while tiny.split(0, Axis::Both) {}
+    assert!(tiny.leaves()[0].size()[0] < 16);
+    assert_eq!(complex.border(0, Border::Top).len(), 2);
+}
+
+#[test]
+fn grids_have_about_the_cells_asked_for() {
+    let complex = large_torus(0.3);
+    let grid = Grid::of_cells(&complex.cylinders()[0], 60.0, 1.0);
+    // C = 2 H.
+    assert_eq!((grid.columns, grid.rows), (11, 5));
+    let wide = Grid::of_cells(&complex.cylinders()[0], 32.0, 4.0);
+    assert_eq!((wide.columns, wide.rows), (4, 8));
+}
