@@ -123,8 +123,10 @@ pub struct CapPoint {
     pub w: Complex<f64>,
     /// Its first and second derivative by `z`, in units of the form's 1.
     pub dw: [Complex<f64>; 2],
-    /// The weight and its derivatives.
+    /// The weight and its derivatives: exactly 1 in the core.
     pub phi: Jet,
+    /// What is left of 1.
+    pub rest: Jet,
 }
 
 impl Caps {

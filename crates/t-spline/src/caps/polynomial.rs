@@ -7,6 +7,9 @@ use nalgebra::Complex;
 pub struct Jet(pub [f64; 6]);
 
 impl Jet {
+    /// The function 1.
+    pub const ONE: Self = Self([1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+
     /// Returns the product.
     #[must_use]
     #[inline]
@@ -50,11 +53,10 @@ pub fn monomials(
     let a = Jet([w.re, first.re, -first.im, second.re, -second.im, -second.re]);
     let b = Jet([w.im, first.im, first.re, second.im, second.re, -second.im]);
     // Row n of the triangle is a times row n - 1, and b times its last.
-    let one = Jet([1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let degree = usize::from(degree);
     let mut row = Vec::with_capacity(degree + 1);
-    row.push(one);
-    each(0, one);
+    row.push(Jet::ONE);
+    each(0, Jet::ONE);
     let mut place = 1;
     for _ in 0..degree {
         let last = row[row.len() - 1].times(b);

@@ -29,15 +29,19 @@ pub(super) fn cap_point(
         q * (a * b - curve.im),
         q * (b * b - curve.re),
     ]);
-    let t = (1.0 - q) / (1.0 - core);
-    let phi = if t >= 1.0 {
-        Jet([1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    // Both weights from their own end, so that each keeps its relative accuracy where it vanishes: beside a
+    // core the rest weighs quotients of functions that vanish there too.
+    let rate = 1.0 / (1.0 - core);
+    let (t, u) = ((1.0 - q) * rate, (q - core) * rate);
+    let (phi, rest) = if u <= 0.0 {
+        (Jet::ONE, Jet::default())
     } else {
-        let rate = -1.0 / (1.0 - core);
-        let value = t * t * t * (10.0 + t * (6.0 * t - 15.0));
-        let first = 30.0 * t * t * (1.0 - t) * (1.0 - t) * rate;
-        let second = 60.0 * t * (1.0 - t) * (1.0 - 2.0 * t) * rate * rate;
-        radius.through([value, first, second])
+        let first = 30.0 * t * t * u * u * rate;
+        let second = 60.0 * t * u * (u - t) * rate * rate;
+        (
+            radius.through([step(t), -first, second]),
+            radius.through([step(u), first, -second]),
+        )
     };
     let dw = w * slope;
     CapPoint {
@@ -45,5 +49,11 @@ pub(super) fn cap_point(
         w,
         dw: [dw, dw * slope + w * curve],
         phi,
+        rest,
     }
+}
+
+/// Returns the quintic that rises from 0 to 1, with two vanishing derivatives at either end.
+fn step(t: f64) -> f64 {
+    t * t * t * (10.0 + t * (6.0 * t - 15.0))
 }

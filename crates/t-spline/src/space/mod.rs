@@ -10,6 +10,8 @@
 
 mod rows;
 #[cfg(test)]
+mod speed;
+#[cfg(test)]
 pub(crate) mod tests;
 
 use rayon::prelude::*;

@@ -9,9 +9,9 @@ use crate::complex::{Point, UNITS};
 
 /// Points of one block, the unit of parallel work.
 const BLOCK: usize = 512;
-/// The least sum of functions by which one divides: smaller ones occur in cores only, where their
-/// quotients have no weight.
-const LEAST_SUM: f64 = 1e-12;
+/// The least sum of functions by which one divides; its third power is still a number. Functions keep
+/// their relative accuracy where they vanish, so that quotients of small ones are as good as of others.
+const LEAST_SUM: f64 = 1e-80;
 
 /// The rows of a batch of points: sparse, in blocks.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -116,11 +116,11 @@ impl TSplineSpace {
 
     fn add_row<const ORDER: usize>(&self, point: Point, block: &mut Block) {
         let cap = self.caps.at(point);
-        let phi = cap.map_or(Jet::default(), |cap| cap.phi);
-        if phi.0[0] < 1.0 {
+        let rest = cap.map_or(Jet::ONE, |cap| cap.rest);
+        if rest.0[0] > 0.0 {
             let from = block.unknowns.len();
             let sum = self.add_functions::<ORDER>(point, block);
-            block.make_rational::<ORDER>(from, sum, phi);
+            block.make_rational::<ORDER>(from, sum, rest);
         }
         if let Some(cap) = cap {
             self.add_cap::<ORDER>(&cap, block);
@@ -212,15 +212,13 @@ impl Block {
 
     /// Divides the functions from a place on by their sum, and gives them what weight the cap leaves.
     #[inline]
-    fn make_rational<const ORDER: usize>(&mut self, from: usize, sum: Jet, phi: Jet) {
-        // (1 - phi) / S as one function, by which all are multiplied.
+    fn make_rational<const ORDER: usize>(&mut self, from: usize, sum: Jet, rest: Jet) {
+        // What the cap leaves over S, as one function, by which all are multiplied.
         let s = sum.0[0].max(LEAST_SUM);
         let inverse = 1.0 / s;
         let square = inverse * inverse;
         let factor = sum.through([inverse, -square, 2.0 * square * inverse]);
-        let mut rest = phi.0.map(|v| -v);
-        rest[0] += 1.0;
-        let Jet(c) = factor.times(Jet(rest));
+        let Jet(c) = factor.times(rest);
         for i in from..self.values.len() {
             let v = self.values[i];
             self.values[i] = c[0] * v;

@@ -9,7 +9,8 @@ use crate::blend::tests::recursion;
 use crate::complex::{Beyond, CylinderComplex, Point};
 use crate::tmesh::Grid;
 use crate::tmesh::tests::{
-    Sequence, large_double_torus, large_torus, met, open_cylinder, random_mesh, unrolled,
+    Sequence, large_double_torus, large_torus, met, open_cylinder, random_mesh,
+    surfaces_with_zeros, unrolled,
 };
 
 const GRID: Grid = Grid {
@@ -42,12 +43,13 @@ pub(crate) fn random_points(complex: &CylinderComplex, count: usize, seed: u64) 
 }
 
 fn surfaces() -> Vec<Arc<CylinderComplex>> {
-    vec![
-        large_double_torus(),
+    let mut surfaces = surfaces_with_zeros();
+    surfaces.extend([
         large_torus(0.37),
         open_cylinder(Beyond::Boundary { index: 1 }),
         open_cylinder(Beyond::Pole { index: 0 }),
-    ]
+    ]);
+    surfaces
 }
 
 #[test]

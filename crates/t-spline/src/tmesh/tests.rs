@@ -42,6 +42,84 @@ pub(crate) fn large_double_torus() -> Arc<CylinderComplex> {
     Arc::new(CylinderComplex::build(cylinders).expect("a surface"))
 }
 
+/// Turns the top of a cylinder, and what is glued to it, by a length.
+fn turn_top(cylinders: &mut [Cylinder], which: u32, length: i64) {
+    let size = cylinders[which as usize].circumference;
+    for below in cylinders.iter_mut().flat_map(|c| &mut c.bottom) {
+        if let Beyond::Cylinder { cylinder, start } = &mut below.beyond
+            && *cylinder == which
+        {
+            *start = (*start + length).rem_euclid(size);
+        }
+    }
+    let mut turned = Vec::new();
+    for &(mut segment) in &cylinders[which as usize].top {
+        segment.start = (segment.start + length).rem_euclid(size);
+        let over = segment.start + segment.length - size;
+        if over > 0 {
+            let mut rest = segment;
+            (rest.start, rest.length, rest.zero) = (0, over, None);
+            segment.length -= over;
+            if let Beyond::Cylinder { start, .. } = &mut rest.beyond {
+                *start += segment.length;
+            }
+            turned.push(rest);
+        }
+        turned.push(segment);
+    }
+    turned.sort_by_key(|s| s.start);
+    cylinders[which as usize].top = turned;
+}
+
+/// The large double torus with zeros that do not face each other: tops are turned by shares of the
+/// circumference.
+pub(crate) fn twisted_double_torus(shares: [f64; 3]) -> Arc<CylinderComplex> {
+    let mut cylinders = large_double_torus().cylinders().to_vec();
+    for (which, share) in shares.into_iter().enumerate() {
+        let length = (share * cylinders[which].circumference as f64) as i64;
+        turn_top(&mut cylinders, which as u32, length);
+    }
+    Arc::new(CylinderComplex::build(cylinders).expect("a surface"))
+}
+
+/// Two cylinders with one zero of order 2.
+pub(crate) fn double_zero(share: f64) -> Arc<CylinderComplex> {
+    let unit = (1_i64 << 34) + 4_321;
+    let row = |start, length, cylinder, there| Segment {
+        start: start * unit,
+        length: length * unit,
+        beyond: Beyond::Cylinder {
+            cylinder,
+            start: there * unit,
+        },
+        zero: Some(0),
+    };
+    let wide = vec![row(0, 400, 1, 0), row(400, 600, 0, 400)];
+    let narrow = vec![row(0, 400, 0, 0)];
+    let cylinder = |border: Vec<Segment>, circumference, height| Cylinder {
+        circumference: circumference * unit,
+        height: height * unit,
+        bottom: border.clone(),
+        top: border,
+    };
+    let mut cylinders = vec![cylinder(wide, 1000, 350), cylinder(narrow, 400, 300)];
+    for which in 0..2 {
+        let length = (share * cylinders[which].circumference as f64) as i64;
+        turn_top(&mut cylinders, which as u32, length);
+    }
+    Arc::new(CylinderComplex::build(cylinders).expect("a surface"))
+}
+
+/// Zeros that face each other, that do not, that nearly do, and a double one.
+pub(crate) fn surfaces_with_zeros() -> Vec<Arc<CylinderComplex>> {
+    vec![
+        large_double_torus(),
+        twisted_double_torus([0.317, 0.61, 0.0713]),
+        twisted_double_torus([0.003, 0.9961, 0.02]),
+        double_zero(0.2345),
+    ]
+}
+
 /// A cylinder from a boundary at the bottom to a boundary or a pole at the top.
 pub(crate) fn open_cylinder(top: Beyond) -> Arc<CylinderComplex> {
     let size = 1_i64 << 43;
@@ -93,8 +171,9 @@ const GRID: Grid = Grid {
 
 #[test]
 fn leaves_tile_cylinders_and_both_sides_of_borders() {
-    let complex = large_double_torus();
-    for seed in 0..10 {
+    for seed in 0..12 {
+        let complex = surfaces_with_zeros().swap_remove(seed % 4);
+        let seed = seed as u64;
         let mesh = random_mesh(&complex, GRID, 100, seed);
         let area = |l: &Leaf| i128::from(l.size()[0]) * i128::from(l.size()[1]);
         assert_eq!(mesh.leaves().iter().map(area).sum::<i128>(), complex.area());
@@ -249,7 +328,7 @@ fn grading_bounds_neighbours_and_shapes() {
     let mut numbers = Sequence(5);
     for _ in 0..40 {
         // Again and again near one corner, which needs much around it.
-        let near = mesh.leaf_of(crate::complex::Point {
+        let near = mesh.leaf_of(Point {
             cylinder: 0,
             x: 3.0e12 * numbers.unit(),
             y: 1.0,
