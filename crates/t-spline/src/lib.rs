@@ -9,5 +9,7 @@
 //! [He2006].
 
 pub mod complex;
+pub mod domain;
 
 pub use complex::CylinderComplex;
+pub use domain::{Domain, DomainOptions};

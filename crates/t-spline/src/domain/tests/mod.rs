@@ -1,0 +1,3 @@
+//! Domains of surfaces whose structure is known.
+
+mod surfaces;
