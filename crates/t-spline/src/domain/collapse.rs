@@ -2,7 +2,8 @@
 //!
 //! Two zeros at nearly the same level leave a cylinder much thinner than its circumference. Its top
 //! is laid on its bottom: every pair of a joint below and a joint above it that overlap becomes one
-//! joint, and all that hangs on the critical graph of its top moves down by its height.
+//! joint. All that hangs on the critical graph of its top moves down, or that of its bottom up, or each
+//! half way; the sum of `C H` stays the same.
 //!
 //! # Reference
 //! [He2006] §3.2, Fig. 2. Deviation: the paper's two-hole torus has both zeros at one level by symmetry;
@@ -99,11 +100,7 @@ impl Snapped {
         if bottom == top || is_end(false) || is_end(true) {
             return false;
         }
-        let down = self.tables.heights[cylinder as usize];
-        let mut heights = self.tables.heights.clone();
-        for (height, own) in heights.iter_mut().zip(&graphs) {
-            *height += down * (i64::from(own[0] == top) - i64::from(own[1] == top));
-        }
+        let heights = self.moved(cylinder, &graphs);
         let left = |c: &u32| self.collapsed[*c as usize].is_none();
         let gone: Vec<u32> = (0..heights.len() as u32)
             .filter(left)
@@ -124,6 +121,38 @@ impl Snapped {
         }
         (self.tables, self.collapsed) = (tables, collapsed);
         true
+    }
+
+    /// Heights after the graph at the top of a cylinder met that at its bottom: where it leaves the other
+    /// cylinders most alike.
+    fn moved(&self, cylinder: u32, graphs: &[[u32; 2]]) -> Vec<i64> {
+        let [bottom, top] = graphs[cylinder as usize];
+        let heights = &self.tables.heights;
+        let gone = heights[cylinder as usize];
+        let moved = |down: i64| -> Vec<i64> {
+            let rise = |graph: u32| match graph {
+                graph if graph == top => -down,
+                graph if graph == bottom => gone - down,
+                _ => 0,
+            };
+            let own = heights.iter().zip(graphs);
+            own.map(|(height, own)| height + rise(own[1]) - rise(own[0])).collect()
+        };
+        let likeness = |after: &[i64]| {
+            let is_other = |c: &usize| self.collapsed[*c].is_none() && graphs[*c] != [bottom, top];
+            let shares = (0..heights.len()).filter(is_other).map(|c| {
+                let [before, after] = [heights[c], after[c]].map(|h| h.max(0) as f64);
+                before.min(after) / before.max(after).max(1.0)
+            });
+            shares.fold(1.0, f64::min)
+        };
+        let ways = [gone, 0, gone / 2].map(|down| {
+            let after = moved(down);
+            (likeness(&after), after)
+        });
+        let [first, ways @ ..] = ways;
+        // The first one of equals.
+        ways.into_iter().fold(first, |best, way| if way.0 > best.0 { way } else { best }).1
     }
 
     /// For each cylinder the critical graphs of its bottom and top: borders that joints connect.

@@ -98,8 +98,8 @@ impl Values {
             let [from, to] = ends.map(|v| self.of[v as usize]);
             let beyond = given.form[half_edge as usize][1] - (to - from) as f64 / ONE as f64;
             let miss = (beyond - beyond.round()).abs();
-            // NaN counts.
-            if !(miss <= self.defect) {
+            let miss = if miss.is_nan() { f64::INFINITY } else { miss };
+            if miss > self.defect {
                 (self.defect, worst) = (miss, ends[0]);
             }
             self.lifts[half_edge as usize] = beyond.round() as i32;

@@ -90,6 +90,9 @@ pub struct DomainReport {
     pub cylinders: usize,
     /// Number of cylinders collapsed.
     pub collapsed: usize,
+    /// Number of cylinders that are thin but were not collapsed, because that would leave two zeros in
+    /// one place or because they end at a boundary.
+    pub thin: usize,
     /// Number of cylinders whose twist was changed.
     pub straightened: usize,
     /// Largest miss of whole periods along an edge.
@@ -134,7 +137,9 @@ impl Domain {
             .collect();
         let complex = snapped.tables.complex(&names, &given.ends)?;
         let zeros = zeros(&sheets.levels);
-        let aspects = complex.cylinders().iter();
+        let aspects: Vec<f64> = (complex.cylinders().iter())
+            .map(|c| c.height as f64 / c.circumference as f64)
+            .collect();
         let facts = Facts::measure(&given.mesh);
         let report = DomainReport {
             genus: facts.genus.unwrap_or(0),
@@ -142,13 +147,12 @@ impl Domain {
             zeros: zeros.iter().map(|zero| zero.order).sum(),
             cylinders: real.cylinders.len(),
             collapsed: snapped.collapsed.iter().flatten().count(),
+            thin: aspects.iter().filter(|&&aspect| aspect < snap.thin).count(),
             straightened: snapped.shears.iter().filter(|&&shear| shear != 0).count(),
             period_defect: sheets.values.defect,
             closure: real.closure,
             area_defect: real.area_defect,
-            least_aspect: aspects
-                .map(|c| c.height as f64 / c.circumference as f64)
-                .fold(f64::INFINITY, f64::min),
+            least_aspect: aspects.iter().copied().fold(f64::INFINITY, f64::min),
         };
         Ok(Self {
             layouts: place::layouts(&sheets, &real, &snapped, &names),
