@@ -23,6 +23,7 @@ use msplines_common::operators::intrinsic::{
     DELAUNAY_TOLERANCE, FlipRule, IntrinsicTriangulation, intrinsic_delaunay_by,
 };
 use msplines_common::operators::{Poisson, assemble, half_cotangents};
+use msplines_common::progress::{Observer, Stages};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -74,9 +75,15 @@ impl HolomorphicBasis {
     /// Builds the basis: one factorisation and 2g right-hand sides, solved until fluxes balance.
     ///
     /// # Errors
-    /// A boundary, several components, genus 0, or coordinates that are not finite.
-    pub fn build(mesh: &TriangleMesh) -> Result<Self, ConformalError> {
-        Self::of(mesh, &Homology::build(mesh.topology())?, &[])
+    /// A boundary, several components, genus 0, or coordinates that are not finite; the observer, which
+    /// sees the phase `domain`, asks to stop.
+    pub fn build(
+        mesh: &TriangleMesh,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, ConformalError> {
+        let mut stages = Stages::new("domain", 0, observer);
+        stages.enter()?;
+        Self::of(mesh, &Homology::build(mesh.topology())?, &[], &mut stages)
     }
 
     /// Builds the basis over given integer forms, with equal weights on all edges at some vertices,
@@ -88,10 +95,12 @@ impl HolomorphicBasis {
         mesh: &TriangleMesh,
         homology: &Homology,
         relaxed: &[u32],
+        stages: &mut Stages<'_, '_>,
     ) -> Result<Self, ConformalError> {
         if homology.genus() == 0 {
             return Err(ConformalError::NoForm);
         }
+        stages.enter()?;
         let triangulation = intrinsic_delaunay_by(mesh, FlipRule::Simplicial)?;
         let cocycles = homology.cocycles.par_iter();
         let carried: Vec<Cocycle> = cocycles.map(|w| carry(&triangulation, w)).collect();
@@ -107,9 +116,11 @@ impl HolomorphicBasis {
             .collect();
         let changes = change_weights(&triangulation, relaxed, &mut weights);
         operators.laplacian.add_to_entries(&changes);
+        stages.enter()?;
         let poisson = Poisson::factor(&operators)?;
         let mut potentials = Potentials::start(mesh.vertex_count(), &triangulation.faces, &carried);
-        let co_closedness = potentials.solve(&poisson, &weights);
+        let co_closedness = potentials.solve(&poisson, &weights, stages)?;
+        stages.enter()?;
         let gram = gram(&potentials, &weights, &carried);
         let conjugation = inverse_wedges(&homology.cocycles)? * &gram;
         let classes = carried.len();

@@ -107,6 +107,14 @@ impl FormChoice {
 }
 
 impl FormChoice {
+    /// Whether the choice leaves one form only.
+    pub(crate) fn is_given(&self) -> bool {
+        match self {
+            Self::Optimal { .. } | Self::Integer { .. } => false,
+            Self::Coefficients(_) | Self::Periods(_) | Self::IntegerPeriods(_) => true,
+        }
+    }
+
     /// Returns the form of the same class over the basis of a mesh that was split or relaxed.
     pub(crate) fn carried(
         &self,

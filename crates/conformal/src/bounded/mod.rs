@@ -19,9 +19,13 @@ use msplines_common::mesh::TriangleMesh;
 use msplines_common::operators::intrinsic::{
     FlipRule, IntrinsicTriangulation, intrinsic_delaunay_by,
 };
+use msplines_common::progress::{Observer, Stages};
 
 use crate::extension::{Extension, cotangent_weights, ends, laplacian};
 use crate::measure::{Distortion, measure_flat};
+
+/// Stages that the observer sees: triangulation, ordering, function and conjugate.
+const STAGES: u64 = 4;
 
 /// A closed complex form `du + i dv` on a surface with boundary.
 #[derive(Clone, Debug)]
@@ -79,6 +83,7 @@ impl BoundedForm {
 /// inside; levels between may move zeros to a boundary. `e^(u + iv)`, with `v` scaled to a period
 /// of 2π, maps a surface with two loops to an annulus. Cost: one ordering and two factorisations of
 /// the Laplacian. Equal input gives equal bits on any number of threads.
+/// `observer` sees the phase `domain`.
 ///
 /// # Reference
 /// [He2006]. Deviation: there is no double cover. Forms that the mirror turns round satisfy
@@ -87,19 +92,25 @@ impl BoundedForm {
 ///
 /// # Errors
 /// A mesh that is not one surface of genus 0 with two or more boundary loops; levels that are not
-/// finite, equal, or not one per loop.
+/// finite, equal, or not one per loop; the observer asks to stop.
 pub fn bounded_form(
     mesh: &TriangleMesh,
     levels: &[f64],
     rule: FlipRule,
+    observer: &mut Observer<'_>,
 ) -> Result<BoundedForm, BoundedError> {
     error::check(mesh, levels)?;
+    let mut stages = Stages::new("domain", STAGES, observer);
+    stages.enter()?;
     let triangulation = intrinsic_delaunay_by(mesh, rule)?;
     let weights = cotangent_weights(&triangulation);
     let laplacian = laplacian(mesh.vertex_count(), &triangulation, &weights);
+    stages.enter()?;
     let ordering = Ordering::nested_dissection(&laplacian)?;
     let loops: Vec<Vec<u32>> = mesh.topology().boundary_loops();
+    stages.enter()?;
     let potential = harmonic(mesh, &loops, levels, (&laplacian, &ordering))?;
+    stages.enter()?;
     let flux = |half_edges: &Vec<u32>| -> f64 {
         let vertices = half_edges.iter().map(|&h| mesh.topology().origin(h));
         vertices
