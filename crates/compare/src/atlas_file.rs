@@ -133,7 +133,8 @@ mod tests {
             shapes::sphere(300),
             shapes::vase(300),
         ] {
-            let found = Atlas::of_surface(&mesh, &AtlasOptions::default(), &mut unobserved()).expect("an atlas");
+            let found = Atlas::of_surface(&mesh, &AtlasOptions::default(), &mut unobserved())
+                .expect("an atlas");
             let file = AtlasFile::new("ab".repeat(32), serde_json::json!({}), &found);
             let mut bytes = Vec::new();
             file.write(&mut bytes).expect("memory takes all bytes");

@@ -19,22 +19,25 @@ use crate::zeros::Findings;
 struct Effort {
     /// Rounds of mending before a mesh is given up.
     rounds: usize,
-    /// Share of the faces that may be wrong at first.
-    wrong: f64,
+    /// Share of the faces that may be folded, beyond a few.
+    folded: f64,
 }
 
 /// The effort for forms that are chosen.
 const CHOSEN: Effort = Effort {
     rounds: 12,
-    wrong: 1.0,
+    folded: 1.0,
 };
 
 /// The effort for a form that was asked for. A form that fades over a handle folds most faces there, and
 /// splitting them all helps no more than waiting.
 const GIVEN: Effort = Effort {
     rounds: 4,
-    wrong: 1e-3,
+    folded: 1e-3,
 };
+
+/// Folded faces that are mended on any mesh.
+const FEW: f64 = 64.0;
 
 /// Rounds in which faces that are laid out as needles are mended as if they were folded.
 ///
@@ -116,11 +119,11 @@ fn search(
             }
             findings.folded = needles;
             with_needles = with_needles.or(Some(found));
-        } else if choice.is_given() {
+        } else if choice.is_given() && findings.folds() > 0 {
             error = unsuited(&flat, &findings, round, length_spread(&basis, &form));
         }
-        let most = effort.wrong * flat.faces().len() as f64;
-        let is_hopeless = round == effort.rounds || findings.badness() as f64 > most;
+        let most = (effort.folded * flat.faces().len() as f64).max(FEW);
+        let is_hopeless = round == effort.rounds || findings.folds() as f64 > most;
         if is_hopeless || !search.mend(round, form, &flat, &findings) {
             return with_needles.ok_or(error);
         }
@@ -146,10 +149,9 @@ fn needles(flat: &FlatComplex, mesh: &TriangleMesh, findings: &Findings) -> Vec<
 
 /// Says why a form that was asked for is none to lay a surface out by.
 fn unsuited(flat: &FlatComplex, findings: &Findings, rounds: usize, spread: f64) -> ConformalError {
-    let crowded = findings.not_disks.first().copied();
-    let first = folded_corners(flat, findings).next().or(crowded);
+    let first = folded_corners(flat, findings).next();
     ConformalError::Unsuited {
-        flips: findings.folded.len() + findings.inconsistent.len(),
+        flips: findings.folds(),
         faces: flat.faces().len(),
         vertex: first.unwrap_or(0),
         rounds,
@@ -236,8 +238,7 @@ impl Search {
         self.kept = Some(form);
         let before = self.relaxed.len();
         self.relax(round + 1, flat, findings);
-        let folds = findings.folded.len() + findings.inconsistent.len();
-        if round < RELAXATIONS && findings.not_disks.len() <= folds {
+        if round < RELAXATIONS && findings.not_disks.len() <= findings.folds() {
             return self.relaxed.len() > before;
         }
         let Some(split) = split_around(&self.mesh, flat, findings) else {
@@ -279,6 +280,18 @@ pub(crate) fn split_around(
     flat: &FlatComplex,
     findings: &Findings,
 ) -> Option<SplitMesh> {
+    let points = points_around(mesh, flat, findings);
+    (!points.is_empty())
+        .then(|| split_at(mesh, &points).ok())
+        .flatten()
+}
+
+/// Returns the middles of the sides of the faces around what is wrong.
+pub(crate) fn points_around(
+    mesh: &TriangleMesh,
+    flat: &FlatComplex,
+    findings: &Findings,
+) -> Vec<SurfacePoint> {
     let is_crowded = |vertices: &[u32]| findings.not_disks.contains(&vertices[0]);
     let zeros = findings
         .zeros
@@ -296,10 +309,39 @@ pub(crate) fn split_around(
     };
     let faces = (0..mesh.face_count() as u32).filter(near);
     let middles = [[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]];
-    let points: Vec<SurfacePoint> = faces
+    faces
         .flat_map(|face| middles.map(|at| SurfacePoint { face, at }))
-        .collect();
-    (!points.is_empty())
-        .then(|| split_at(mesh, &points).ok())
-        .flatten()
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use msplines_common::mesh::FlipComplex;
+    use msplines_common::progress::unobserved;
+
+    use super::*;
+    use crate::tests::with_spike;
+
+    #[test]
+    fn an_atlas_with_needles_is_better_than_none() {
+        let mesh = with_spike(32, 0.9);
+        let of = |rounds: usize| {
+            let effort = Effort {
+                rounds,
+                folded: 1.0,
+            };
+            let found = search(&mesh, &FormChoice::default(), effort, &mut unobserved());
+            let atlas = found.expect("an atlas").atlas;
+            let glued = FlipComplex::of(atlas.mesh().topology());
+            let flat = FlatComplex::of(&glued, atlas.form().to_vec());
+            let count = needles(&flat, atlas.mesh(), &Findings::default()).len();
+            (count, atlas.folded_faces(), atlas.refinements())
+        };
+        // Where nothing may be mended, the atlas with needles is what there is.
+        let (count, folded, rounds) = of(0);
+        assert!(count > 10, "{count} needles");
+        assert_eq!((folded, rounds), (0, 0));
+        // One round mends them all.
+        assert_eq!(of(CHOSEN.rounds), (0, 0, 1));
+    }
 }

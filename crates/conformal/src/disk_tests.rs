@@ -135,15 +135,22 @@ fn size_place_and_threads_do_not_matter() {
     }
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.expect("a pool")
-            .install(|| flatten_disk(&mesh, &mut unobserved()).expect("a flattening").points)
+        pool.expect("a pool").install(|| {
+            flatten_disk(&mesh, &mut unobserved())
+                .expect("a flattening")
+                .points
+        })
     };
     assert_eq!(on(1), on(2));
 }
 
 #[test]
 fn what_is_no_disk_is_refused() {
-    let error = |mesh: &TriangleMesh| flatten_disk(mesh, &mut unobserved()).expect_err("no disk").to_string();
+    let error = |mesh: &TriangleMesh| {
+        flatten_disk(mesh, &mut unobserved())
+            .expect_err("no disk")
+            .to_string()
+    };
     assert!(error(&zoo::closed()).contains("0 boundary loops"));
     assert!(error(&zoo::with_two_boundaries()).contains("2 boundary loops"));
     let torus = zoo::genus(1);

@@ -7,6 +7,7 @@ use msplines_common::progress::Stopped;
 
 use crate::bounded::{BoundedError, PunctureError};
 use crate::disk::DiskError;
+use crate::poles::PolesError;
 use crate::sphere::SphereError;
 
 /// Why no holomorphic 1-form or atlas could be built.
@@ -46,6 +47,19 @@ pub enum ConformalError {
     /// No form of a surface with boundary.
     #[error(transparent)]
     Bounded(#[from] BoundedError),
+    /// No form with poles.
+    #[error(transparent)]
+    Poles(#[from] PolesError),
+    /// Edge values that are not differences of a function up to integers.
+    #[error(
+        "the imaginary part of the form is {defect} away from an integer at vertex {vertex}; ask for a form with integer periods"
+    )]
+    NotIntegral {
+        /// A vertex of the edge.
+        vertex: u32,
+        /// How far.
+        defect: f64,
+    },
     /// The observer asked to stop before there was an atlas.
     #[error(transparent)]
     Stopped(#[from] Stopped),

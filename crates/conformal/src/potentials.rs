@@ -198,6 +198,16 @@ impl Potentials {
         }
     }
 
+    /// Returns the combination of the functions, without the integer forms, by vertex.
+    pub(crate) fn function(&self, coefficients: &[f64]) -> Vec<f64> {
+        let vertices = self.values.chunks_exact(self.classes);
+        let sum = |values: &[[f64; PARTS]]| {
+            let terms = values.iter().zip(coefficients);
+            terms.map(|(value, a)| a * value.iter().sum::<f64>()).sum()
+        };
+        vertices.map(sum).collect()
+    }
+
     /// Returns, by half-edge, the combinations of the forms with two sets of coefficients.
     pub(crate) fn combine(&self, parts: [&[f64]; 2]) -> Vec<[f64; 2]> {
         let mut form = vec![[0.0; 2]; 3 * self.faces.len()];

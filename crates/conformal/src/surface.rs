@@ -12,6 +12,7 @@ use crate::atlas::{Atlas, Ground, failure};
 use crate::basis::HolomorphicBasis;
 use crate::bounded::{bounded_form, puncture};
 use crate::choice::{FormChoice, HolomorphicForm};
+use crate::circle::CircleMap;
 use crate::closed::split_around;
 use crate::disk::flatten_disk;
 use crate::error::ConformalError;
@@ -72,6 +73,24 @@ pub struct SurfaceAtlas {
     pub origins: Vec<Option<u32>>,
     /// Figures about it.
     pub report: AtlasReport,
+}
+
+impl SurfaceAtlas {
+    /// Returns the imaginary part of the form, before that was scaled, as a map to the circle. O(g n).
+    ///
+    /// Its integral over any closed path of edges is an integer, exactly, as jumps are integers and
+    /// differences of the function cancel.
+    ///
+    /// # Errors
+    /// The imaginary part has other periods than integers, or the surface is not laid out by a form of a
+    /// closed surface.
+    pub fn circle_map(&self) -> Result<CircleMap, ConformalError> {
+        let Structure::Closed { basis, form } = &self.structure else {
+            return Err(ConformalError::NoForm);
+        };
+        let imaginary = form.imaginary.as_slice();
+        CircleMap::of(&self.atlas, basis.potentials().function(imaginary))
+    }
 }
 
 /// Figures about an atlas.
@@ -265,7 +284,7 @@ fn filled_closed(
 }
 
 /// Closes boundary loops, all but one where one is named, by cones over their centres.
-fn with_cones(
+pub(crate) fn with_cones(
     mesh: &TriangleMesh,
     open: Option<usize>,
 ) -> Result<(TriangleMesh, usize), TopologyError> {

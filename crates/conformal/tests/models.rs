@@ -35,7 +35,8 @@ fn closed_models_map_to_the_sphere_without_flips() {
         let Some(mesh) = library::model(name) else {
             continue;
         };
-        let map = spherical_map(&mesh, FlipRule::Simplicial, &mut unobserved()).expect("a spherical map");
+        let map =
+            spherical_map(&mesh, FlipRule::Simplicial, &mut unobserved()).expect("a spherical map");
         println!("{name}: {:?}, {} moved", map.distortion, map.moved);
         assert_eq!(map.distortion.flips, 0);
         assert!(map.corrected && map.distortion.angle_mean < largest);
@@ -64,7 +65,8 @@ fn five_holes_give_three_zeros_and_few_flips() {
     let loops = topology.boundary_loops().len();
     assert_eq!(loops, 5);
     let levels = [0.0, 1.0, 1.0, 1.0, 1.0];
-    let result = bounded_form(&mesh, &levels, FlipRule::Simplicial, &mut unobserved()).expect("a form");
+    let result =
+        bounded_form(&mesh, &levels, FlipRule::Simplicial, &mut unobserved()).expect("a form");
     let faces = &result.triangulation.faces;
     let on_boundary = |&v: &u32| topology.is_boundary_vertex(v);
     let ears = faces.iter().filter(|f| f.iter().all(on_boundary)).count();

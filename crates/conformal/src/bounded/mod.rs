@@ -11,10 +11,11 @@ mod puncture;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use cocycle::between_loops;
 pub use error::BoundedError;
 pub use puncture::{PunctureError, puncture};
 
-use msplines_common::linalg::{FactorError, Mat, Ordering, SymmetricMatrix};
+use msplines_common::linalg::{FactorError, Mat, Ordering, SymmetricMatrix, column};
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::operators::intrinsic::{
     FlipRule, IntrinsicTriangulation, intrinsic_delaunay_by,
@@ -118,9 +119,16 @@ pub fn bounded_form(
             .sum()
     };
     let periods: Vec<f64> = loops[1..].iter().map(flux).collect();
-    let cocycles = cocycle::between_loops(mesh.topology(), &loops);
+    let cocycles = between_loops(mesh.topology(), &loops);
     let jumps = combine(&carry_all(&cocycles, &triangulation), &periods);
-    let conjugate = coclosing(&triangulation, &weights, &jumps, (&laplacian, &ordering))?;
+    // Constants are free: the vertex eliminated last stays at zero.
+    let grounded = ordering.as_slice().last().map_or(0, |&row| row as usize);
+    let free = (0..laplacian.size()).map(|v| v != grounded).collect();
+    let closed = [jumps];
+    let with = (&laplacian, &ordering);
+    let conjugate = coclosing(&triangulation, &weights, &closed, with, free)?;
+    let conjugate = column(conjugate.as_ref(), 0).to_vec();
+    let [jumps] = closed;
     let form = assemble(&triangulation.faces, [&potential, &conjugate], &jumps);
     Ok(BoundedForm {
         distortion: measure_flat(&triangulation.lengths, &form),
@@ -169,30 +177,29 @@ fn harmonic(
     Ok((0..mesh.vertex_count()).map(|v| values[(v, 0)]).collect())
 }
 
-/// Returns the function whose difference makes a closed form co-closed, with natural boundary
-/// conditions.
-///
-/// The form may be any: those around handles are combined with those between loops in the same way.
-fn coclosing(
+/// Returns the functions, one column each, that are zero except at free vertices and whose differences
+/// make closed forms co-closed there: with natural boundary conditions if all but one are free.
+pub(crate) fn coclosing(
     triangulation: &IntrinsicTriangulation,
     weights: &[f64],
-    closed: &[f64],
+    closed: &[Vec<f64>],
     (laplacian, ordering): (&SymmetricMatrix, &Ordering),
-) -> Result<Vec<f64>, FactorError> {
-    let mut divergence = vec![0.0; laplacian.size()];
-    for (h, (&value, &weight)) in (0u32..).zip(closed.iter().zip(weights)) {
-        if h < triangulation.twins[h as usize] {
-            let [a, b] = ends(triangulation, h).map(|v| v as usize);
-            divergence[a] += weight * value;
-            divergence[b] -= weight * value;
+    free: Vec<bool>,
+) -> Result<Mat<f64>, FactorError> {
+    let mut divergence = Mat::zeros(laplacian.size(), closed.len());
+    for (k, form) in closed.iter().enumerate() {
+        for (h, (&value, &weight)) in (0u32..).zip(form.iter().zip(weights)) {
+            if h < triangulation.twins[h as usize] {
+                let [a, b] = ends(triangulation, h).map(|v| v as usize);
+                divergence[(a, k)] += weight * value;
+                divergence[(b, k)] -= weight * value;
+            }
         }
     }
-    // Constants are free: the vertex eliminated last stays at zero.
-    let grounded = ordering.as_slice().last().map_or(0, |&row| row as usize);
-    let free = (0..laplacian.size()).map(|v| v != grounded).collect();
-    let mut values = Mat::zeros(laplacian.size(), 1);
-    Extension::factor(laplacian, ordering, free)?.solve(&mut values, &|row, _| divergence[row]);
-    Ok((0..laplacian.size()).map(|v| values[(v, 0)]).collect())
+    let mut values = Mat::zeros(laplacian.size(), closed.len());
+    Extension::factor(laplacian, ordering, free)?
+        .solve(&mut values, &|row, k| divergence[(row, k)]);
+    Ok(values)
 }
 
 /// Returns the Laplacian of a function at a vertex, summed from differences.

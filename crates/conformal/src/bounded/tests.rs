@@ -63,7 +63,8 @@ fn an_annulus_has_the_logarithm() {
     let errors = [6, 12, 24].map(|rings| {
         let mesh = annulus(OUTER, rings);
         let levels = levels_from(&mesh, 0.0, 1.0);
-        let result = bounded_form(&mesh, &levels, FlipRule::Any, &mut unobserved()).expect("a form");
+        let result =
+            bounded_form(&mesh, &levels, FlipRule::Any, &mut unobserved()).expect("a form");
         assert_eq!(result.distortion.flips, 0);
         // u + i v = log z / log OUTER: around the outer loop v grows by 2π / log OUTER.
         let period = result.periods[0];
@@ -94,7 +95,8 @@ fn periods_converge_to_second_order() {
     let errors = [6, 12, 24].map(|rings| {
         let mesh = annulus(2.5, rings);
         let levels = levels_from(&mesh, 0.0, 1.0);
-        let result = bounded_form(&mesh, &levels, FlipRule::Any, &mut unobserved()).expect("a form");
+        let result =
+            bounded_form(&mesh, &levels, FlipRule::Any, &mut unobserved()).expect("a form");
         (result.periods[0].abs() * 2.5_f64.ln() / TAU - 1.0).abs()
     });
     assert!(
@@ -107,7 +109,8 @@ fn periods_converge_to_second_order() {
 fn a_cylinder_is_unrolled() {
     let mesh = shapes::cylinder(300);
     let levels = levels_from(&mesh, 0.0, 1.0);
-    let result = bounded_form(&mesh, &levels, FlipRule::Simplicial, &mut unobserved()).expect("a form");
+    let result =
+        bounded_form(&mesh, &levels, FlipRule::Simplicial, &mut unobserved()).expect("a form");
     let form = result.on_mesh(&mesh);
     // The faceted cylinder is a flat ring: height over 2 is harmonic, exactly.
     let sides = (mesh.topology().boundary_loops()[0].len()) as f64;
@@ -160,7 +163,8 @@ fn zeros_are_two_fewer_than_loops() {
         let (mesh, _) = puncture(&sphere, &holes).expect("holes");
         let mut levels = vec![1.0; holes.len()];
         levels[0] = 0.0;
-        let result = bounded_form(&mesh, &levels, FlipRule::Any, &mut unobserved()).expect("a form");
+        let result =
+            bounded_form(&mesh, &levels, FlipRule::Any, &mut unobserved()).expect("a form");
         let indices = indices(&result, mesh.vertex_count());
         assert_eq!(indices.iter().filter(|&&i| i == -1).count(), zeros);
         assert_eq!(indices.iter().filter(|&&i| i != 0).count(), zeros);

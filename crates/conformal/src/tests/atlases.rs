@@ -87,7 +87,9 @@ fn a_mesh_too_coarse_for_its_handles_is_refined_and_says_so() {
 
 #[test]
 fn every_kind_of_surface_has_its_atlas() {
-    let of = |mesh: &TriangleMesh| Atlas::of_surface(mesh, &AtlasOptions::default(), &mut unobserved()).unwrap();
+    let of = |mesh: &TriangleMesh| {
+        Atlas::of_surface(mesh, &AtlasOptions::default(), &mut unobserved()).unwrap()
+    };
     let sphere = of(&zoo::closed());
     let Structure::Sphere { pole } = sphere.structure else {
         panic!("a sphere")

@@ -70,7 +70,8 @@ mod tests {
     #[test]
     fn half_of_the_surface_has_squares_of_a_fortieth_of_the_diagonal() {
         for mesh in [shapes::torus(1.0, 0.4, 900), shapes::sphere(900)] {
-            let found = Atlas::of_surface(&mesh, &AtlasOptions::default(), &mut unobserved()).expect("an atlas");
+            let found = Atlas::of_surface(&mesh, &AtlasOptions::default(), &mut unobserved())
+                .expect("an atlas");
             let mesh = found.atlas.mesh();
             let texture = texture(&found.atlas, &stretches(&found.atlas));
             // Squares along the diagonal, by the areas of face and image.
