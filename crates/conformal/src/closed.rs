@@ -238,8 +238,9 @@ impl Search {
         self.kept = Some(form);
         let before = self.relaxed.len();
         self.relax(round + 1, flat, findings);
-        if round < RELAXATIONS && findings.not_disks.len() <= findings.folds() {
-            return self.relaxed.len() > before;
+        let is_relaxed = self.relaxed.len() > before;
+        if round < RELAXATIONS && is_relaxed && findings.not_disks.len() <= findings.folds() {
+            return true;
         }
         let Some(split) = split_around(&self.mesh, flat, findings) else {
             return false;
