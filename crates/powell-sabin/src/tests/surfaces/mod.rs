@@ -23,7 +23,7 @@ const POSITION: f64 = 1e-14;
 const NORMAL: f64 = 1e-13;
 
 pub(super) fn atlas(mesh: &TriangleMesh) -> Atlas {
-    let found = Atlas::of_surface(mesh, &AtlasOptions::default());
+    let found = Atlas::of_surface(mesh, &AtlasOptions::default(), &mut unobserved());
     found.expect("an atlas").atlas
 }
 
