@@ -22,7 +22,7 @@ const POSITION: f64 = 1e-14;
 /// As positions, over lengths of edges.
 const NORMAL: f64 = 1e-13;
 
-pub(super) fn atlas(mesh: &TriangleMesh) -> Atlas {
+pub(crate) fn atlas(mesh: &TriangleMesh) -> Atlas {
     let found = Atlas::of_surface(mesh, &AtlasOptions::default());
     found.expect("an atlas").atlas
 }
