@@ -27,8 +27,14 @@ const POINTS: usize = (DEGREE + 1) * (DEGREE + 2) / 2;
 const DEEPEST: u32 = 6;
 
 /// Points between those that a cell passes through, where its distance is taken: near the ends of all
-/// sides, near the corners, and in the middle.
-const PROBES: [[f64; 3]; 10] = [
+/// sides, near the corners, and around the middle.
+const PROBES: [[f64; 3]; 16] = [
+    [0.625, 0.25, 0.125],
+    [0.625, 0.125, 0.25],
+    [0.25, 0.625, 0.125],
+    [0.125, 0.625, 0.25],
+    [0.25, 0.125, 0.625],
+    [0.125, 0.25, 0.625],
     [0.875, 0.125, 0.0],
     [0.125, 0.875, 0.0],
     [0.0, 0.875, 0.125],
@@ -40,6 +46,10 @@ const PROBES: [[f64; 3]; 10] = [
     [0.125, 0.125, 0.75],
     [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
 ];
+
+/// How much of the distance that is allowed the points above may find: what is between them is farther by
+/// half of it at most on the surfaces tried.
+const SEEN: f64 = 0.6;
 
 /// Cells that approximate blended faces.
 pub(super) struct Approximation {
@@ -79,6 +89,17 @@ struct Interpolation {
 impl PowellSabinSurface {
     /// Returns cells over blended faces within a distance of the surface, if few halvings do.
     pub(super) fn approximate(&self, faces: &[u32], limit: f64) -> Approximation {
+        let (cells, halvings) = self.fitted_cells(faces, limit);
+        let points = cells.iter().flat_map(|cell| cell.points.map(Point3::from));
+        Approximation {
+            points: points.collect(),
+            deviation: cells.iter().fold(0.0, |max, cell| max.max(cell.deviation)),
+            halvings,
+        }
+    }
+
+    /// Returns the cells, and how often sides were halved.
+    fn fitted_cells(&self, faces: &[u32], limit: f64) -> (Vec<Fitted>, u32) {
         let interpolation = Interpolation::new();
         let fit = |piece: Piece| self.interpolate(piece, &interpolation);
         let pieces = self.micro_pieces(faces);
@@ -86,7 +107,7 @@ impl PowellSabinSurface {
         let mut cells: Vec<Fitted> = pieces.into_par_iter().map(fit).collect();
         let mut halvings = 0;
         while halvings < DEEPEST {
-            let coarse = cells.iter().filter(|cell| cell.deviation > limit);
+            let coarse = cells.iter().filter(|cell| cell.deviation > SEEN * limit);
             let sides = coarse.flat_map(|cell| (0..3).map(|i| cell.piece.side(i)));
             let halved: BTreeSet<[u32; 2]> = sides.collect();
             if halved.is_empty() {
@@ -102,14 +123,7 @@ impl PowellSabinSurface {
             cells = kept;
             cells.par_extend(pieces.into_par_iter().map(fit));
         }
-        Approximation {
-            points: cells
-                .iter()
-                .flat_map(|cell| cell.points.map(Point3::from))
-                .collect(),
-            deviation: cells.iter().fold(0.0, |max, cell| max.max(cell.deviation)),
-            halvings,
-        }
+        (cells, halvings)
     }
 
     /// Returns the micro triangles of faces.
@@ -307,4 +321,62 @@ fn bernstein([a, b, c]: [f64; 3]) -> [f64; POINTS] {
 
 fn mix(corners: &[[f64; 3]; 3], weights: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| (0..3).map(|k| weights[k] * corners[k][i]).sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use msplines_common::mesh::shapes;
+
+    use super::*;
+    use crate::Fill;
+    use crate::tests::Random;
+    use crate::tests::surfaces::fitted;
+
+    #[test]
+    fn cells_keep_their_distance_between_the_points_looked_at() {
+        let (found, _) = fitted(&shapes::genus(2, 2500), Fill::Smooth);
+        let surface = &found.spline;
+        let limit = 1e-6 * surface.mesh().diagonal();
+        let (cells, halvings) = surface.fitted_cells(&surface.blended_faces(), limit);
+        assert!(halvings > 0, "the first ones are too coarse");
+        let mut random = Random::new(4);
+        let mut worst = 0.0_f64;
+        for cell in &cells {
+            for _ in 0..8 {
+                let weights = random.barycentric();
+                let (face, at) = (cell.piece.face, mix(&cell.piece.at, weights));
+                let due = surface.jet(&SurfacePoint { face, at }, Order::Value).value;
+                let terms = bernstein(weights).into_iter().zip(&cell.points);
+                let own: Vector3<f64> = terms.map(|(b, p)| b * p).sum();
+                worst = worst.max((own - due).norm());
+            }
+        }
+        assert!(worst < limit, "{:e} of {limit:e}", worst);
+    }
+
+    #[test]
+    fn pieces_of_all_patterns_cover_a_piece() {
+        let at = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let whole = Piece {
+            face: 0,
+            names: [5, 3, 8],
+            at,
+        };
+        for pattern in 0..8 {
+            let sides = (0..3).filter(|i| pattern & (1 << i) != 0);
+            let halved: BTreeSet<[u32; 2]> = sides.map(|i| whole.side(i)).collect();
+            let mut names = Names::after(std::slice::from_ref(&whole));
+            let pieces = whole.cut(&halved, &mut names);
+            assert_eq!(pieces.len(), 1 + halved.len());
+            let area = |p: &Piece| nalgebra::Matrix3::from(p.at).determinant();
+            assert!(pieces.iter().all(|p| area(p) > 0.2), "{pattern}");
+            assert!((pieces.iter().map(area).sum::<f64>() - 1.0).abs() < 1e-15);
+            // Halved sides are no longer there, all others are.
+            for i in 0..3 {
+                let count = pieces.iter().flat_map(|p| [0, 1, 2].map(|k| p.side(k)));
+                let count = count.filter(|&side| side == whole.side(i)).count();
+                assert_eq!(count, usize::from(!halved.contains(&whole.side(i))));
+            }
+        }
+    }
 }

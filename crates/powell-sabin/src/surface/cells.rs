@@ -104,7 +104,7 @@ impl PowellSabinSurface {
     }
 
     /// Faces of smooth caps along their rims, and of the rings around them.
-    fn blended_faces(&self) -> Vec<u32> {
+    pub(super) fn blended_faces(&self) -> Vec<u32> {
         let blended = |&face: &u32| {
             let shown = self.covering(face).is_some() || self.plain_face(face).is_some();
             shown && !self.is_exact(face)

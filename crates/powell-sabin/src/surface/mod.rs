@@ -28,6 +28,7 @@ mod chart;
 mod error;
 mod evaluate;
 mod fit;
+mod folds;
 mod hole;
 mod jet;
 mod measure;

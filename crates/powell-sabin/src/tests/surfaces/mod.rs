@@ -34,7 +34,7 @@ pub(super) fn options(fill: Fill) -> SurfaceOptions {
     }
 }
 
-pub(super) fn fitted(mesh: &TriangleMesh, fill: Fill) -> (SurfaceFit, Vec<VertexCondition>) {
+pub(crate) fn fitted(mesh: &TriangleMesh, fill: Fill) -> (SurfaceFit, Vec<VertexCondition>) {
     let atlas = atlas(mesh);
     let normals = estimate_normals(atlas.mesh()).expect("normals");
     let conditions = VertexCondition::of_mesh(atlas.mesh(), &normals);
