@@ -20,14 +20,15 @@ impl PowellSabinSurface {
     #[must_use]
     pub fn folded_faces(&self) -> Vec<u32> {
         let folded = |&face: &u32| {
-            let certain = self.plain_face(face).is_some() && self.blends(face).next().is_none();
-            !self.is_open(face) && !(certain && self.is_upright(face)) && self.has_fold(face)
+            let is_plain = self.blends(face).next().is_none();
+            let passed = self.is_open(face) || is_plain && self.is_upright(face);
+            !passed && self.has_fold(face)
         };
         let faces = 0..self.mesh().face_count() as u32;
         faces.into_par_iter().filter(folded).collect()
     }
 
-    /// Whether all coefficients of the normal over a plain face agree with it.
+    /// Whether the surface is the regular spline over a face, all coefficients of whose normal agree with it.
     fn is_upright(&self, face: u32) -> bool {
         let Some(regular) = self.plain_face(face) else {
             return false;

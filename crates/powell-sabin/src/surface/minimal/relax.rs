@@ -22,7 +22,7 @@ const HALVINGS: u32 = 6;
 
 /// Smallest area of a cell at a point of quadrature, relative to the mean, before the surface counts
 /// as folding.
-const FOLDING: f64 = 1e-8;
+const FOLDING: f64 = 1e-4;
 
 /// Points of quadrature, exact for quadratics; weights are a third of the area.
 const QUADRATURE: [[f64; 3]; 3] = [
