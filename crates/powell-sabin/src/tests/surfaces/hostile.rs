@@ -12,7 +12,8 @@ use crate::fit::Warning;
 use crate::surface::{Cap, Filled, SurfaceWarning};
 use crate::tests::Random;
 use crate::{
-    Fill, FitError, SurfaceError, SurfaceFit, VertexCondition, estimate_normals, fit_surface,
+    Fill, FitError, PowellSabinSurface, SurfaceError, SurfaceFit, VertexCondition,
+    estimate_normals, fit_surface,
 };
 
 #[test]
@@ -179,6 +180,9 @@ fn named(found: &SurfaceFit) -> BTreeSet<u32> {
     vertices.collect()
 }
 
+/// Another normal for a vertex.
+type Change = dyn Fn(u32, Vector3<f64>) -> Vector3<f64>;
+
 #[test]
 fn wrong_normals_are_never_silent() {
     let random = |v: u32| {
@@ -187,7 +191,7 @@ fn wrong_normals_are_never_silent() {
     };
     let some = |v: u32| v.is_multiple_of(97);
     let turned = |n: Vector3<f64>, v: u32| if some(v) { -n } else { n };
-    let cases: [(&str, &dyn Fn(u32, Vector3<f64>) -> Vector3<f64>); 5] = [
+    let cases: [(&str, &Change); 5] = [
         ("all flipped", &|_, n| -n),
         ("some flipped", &|v, n| turned(n, v)),
         ("some random", &|v, n| if some(v) { random(v) } else { n }),
@@ -215,21 +219,7 @@ fn wrong_normals_are_never_silent() {
                 "{name}: vertex {vertex}"
             );
         }
-        let points = random_points(mesh, 20_000);
-        let normals = surface.normals(&points).expect("points");
-        let (mut folded, mut told) = (0, 0);
-        for (point, normal) in points.iter().zip(normals) {
-            assert!(normal.iter().all(|c| c.is_finite()), "{name}");
-            if normal.dot(&mesh.face_normal(point.face)) < 0.0 {
-                folded += 1;
-                let corners = mesh.faces()[point.face as usize];
-                told += usize::from(corners.iter().any(|v| named.contains(v)));
-            }
-        }
-        // A normal along the surface makes it steep, and turn over at a corner only.
-        assert!(folded > 0 || name.ends_with("along the surface"), "{name}");
-        // A fold smaller than the grid may be met beside all that are named.
-        assert!(told * 1000 >= folded * 999, "{name}: {told} of {folded}");
+        assert_folds_are_named(name, surface, &named);
         // Values are kept whatever normals say.
         assert!(
             surface.measure(&conditions, 1, 100).position_max < 1e-14,
@@ -246,6 +236,26 @@ fn wrong_normals_are_never_silent() {
             "{name}: {texts:?}"
         );
     }
+}
+
+/// Checks that faces that random points find turned over have a vertex that is named.
+fn assert_folds_are_named(name: &str, surface: &PowellSabinSurface, named: &BTreeSet<u32>) {
+    let mesh = surface.mesh();
+    let points = random_points(mesh, 20_000);
+    let normals = surface.normals(&points).expect("points");
+    let (mut folded, mut told) = (0, 0);
+    for (point, normal) in points.iter().zip(normals) {
+        assert!(normal.iter().all(|c| c.is_finite()), "{name}");
+        if normal.dot(&mesh.face_normal(point.face)) < 0.0 {
+            folded += 1;
+            let corners = mesh.faces()[point.face as usize];
+            told += usize::from(corners.iter().any(|v| named.contains(v)));
+        }
+    }
+    // A normal along the surface makes it steep, and turn over at a corner only.
+    assert!(folded > 0 || name.ends_with("along the surface"), "{name}");
+    // A fold smaller than the grid may be met beside all that are named.
+    assert!(told * 1000 >= folded * 999, "{name}: {told} of {folded}");
 }
 
 fn random_points(mesh: &TriangleMesh, count: u32) -> Vec<SurfacePoint> {
