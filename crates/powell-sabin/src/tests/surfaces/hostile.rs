@@ -181,7 +181,7 @@ fn named(found: &SurfaceFit) -> BTreeSet<u32> {
 }
 
 /// Another normal for a vertex.
-type Change = dyn Fn(u32, Vector3<f64>) -> Vector3<f64>;
+type Change<'a> = dyn Fn(u32, Vector3<f64>) -> Vector3<f64> + 'a;
 
 #[test]
 fn wrong_normals_are_never_silent() {
@@ -191,7 +191,7 @@ fn wrong_normals_are_never_silent() {
     };
     let some = |v: u32| v.is_multiple_of(97);
     let turned = |n: Vector3<f64>, v: u32| if some(v) { -n } else { n };
-    let cases: [(&str, &Change); 5] = [
+    let cases: [(&str, &Change<'_>); 5] = [
         ("all flipped", &|_, n| -n),
         ("some flipped", &|v, n| turned(n, v)),
         ("some random", &|v, n| if some(v) { random(v) } else { n }),
