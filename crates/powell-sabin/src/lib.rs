@@ -55,6 +55,7 @@ mod normals;
 mod options;
 mod spline;
 pub mod surface;
+mod tangent;
 #[cfg(test)]
 mod tests;
 mod triangles;
