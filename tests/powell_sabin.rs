@@ -20,7 +20,7 @@ const STEP: f64 = 1e-5;
 const DIFFERENCES: f64 = 1e-4;
 
 fn surface(mesh: &TriangleMesh) -> Result<PowellSabinSurface, Failure> {
-    let atlas = Atlas::of_surface(mesh, &AtlasOptions::default())?.atlas;
+    let atlas = Atlas::of_surface(mesh, &AtlasOptions::default(), &mut unobserved())?.atlas;
     let normals = estimate_normals(atlas.mesh())?;
     let conditions = VertexCondition::of_mesh(atlas.mesh(), &normals);
     let options = SurfaceOptions::default();

@@ -39,6 +39,55 @@ impl Progress {
 /// Called between steps; [`ControlFlow::Break`] asks for the best result so far.
 pub type Observer<'a> = dyn FnMut(&Progress) -> ControlFlow<()> + 'a;
 
+/// The observer asked to stop before there was anything to give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("stopped before there was a result; allow more time")]
+pub struct Stopped;
+
+/// The stages of a computation that has no result before its end.
+///
+/// # Examples
+/// ```
+/// use msplines_common::progress::{Stages, unobserved};
+///
+/// let mut observer = unobserved();
+/// let mut stages = Stages::new("domain", 2, &mut observer);
+/// stages.enter()?;
+/// stages.enter()?;
+/// # Ok::<(), msplines_common::progress::Stopped>(())
+/// ```
+pub struct Stages<'a, 'o> {
+    phase: &'static str,
+    done: u64,
+    total: u64,
+    observer: &'a mut Observer<'o>,
+}
+
+impl<'a, 'o> Stages<'a, 'o> {
+    /// Returns the stages of a phase, none of them done; `total` is 0 where their number is not known.
+    pub fn new(phase: &'static str, total: u64, observer: &'a mut Observer<'o>) -> Self {
+        Self {
+            phase,
+            done: 0,
+            total,
+            observer,
+        }
+    }
+
+    /// Enters the next stage.
+    ///
+    /// # Errors
+    /// The observer asks to stop.
+    pub fn enter(&mut self) -> Result<(), Stopped> {
+        let step = Progress::new(self.phase, self.done, self.total);
+        self.done += 1;
+        match (self.observer)(&step) {
+            ControlFlow::Break(()) => Err(Stopped),
+            ControlFlow::Continue(()) => Ok(()),
+        }
+    }
+}
+
 /// Returns an observer that never interrupts.
 pub fn unobserved() -> impl FnMut(&Progress) -> ControlFlow<()> {
     |_| ControlFlow::Continue(())

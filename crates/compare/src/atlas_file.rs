@@ -121,6 +121,7 @@ impl AtlasFile {
 #[cfg(test)]
 mod tests {
     use msplines_common::mesh::shapes;
+    use msplines_common::progress::unobserved;
     use msplines_conformal::{Atlas, AtlasOptions};
 
     use super::*;
@@ -132,7 +133,8 @@ mod tests {
             shapes::sphere(300),
             shapes::vase(300),
         ] {
-            let found = Atlas::of_surface(&mesh, &AtlasOptions::default()).expect("an atlas");
+            let found = Atlas::of_surface(&mesh, &AtlasOptions::default(), &mut unobserved())
+                .expect("an atlas");
             let file = AtlasFile::new("ab".repeat(32), serde_json::json!({}), &found);
             let mut bytes = Vec::new();
             file.write(&mut bytes).expect("memory takes all bytes");

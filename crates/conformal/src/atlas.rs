@@ -25,6 +25,7 @@ pub struct Atlas {
     zeros: Vec<Zero>,
     input_vertices: usize,
     refinements: usize,
+    scale_factor: f64,
 }
 
 impl Atlas {
@@ -76,6 +77,12 @@ impl Atlas {
     #[must_use]
     pub fn form(&self) -> &[[f64; 2]] {
         &self.form
+    }
+
+    /// Returns what the form that was asked for was multiplied by.
+    #[must_use]
+    pub fn scale_factor(&self) -> f64 {
+        self.scale_factor
     }
 
     /// Returns the zeros, in the order of their first vertices.
@@ -167,6 +174,7 @@ impl<'a> Ground<'a> {
             zeros,
             input_vertices,
             refinements,
+            scale_factor: 1.0,
         };
         atlas.scale();
         Ok(atlas)
@@ -192,6 +200,7 @@ impl Atlas {
             surface += self.mesh.face_normal(face).norm();
         }
         let factor = (surface / flat).sqrt();
+        self.scale_factor = factor;
         self.form
             .iter_mut()
             .for_each(|v| *v = v.map(|x| x * factor));

@@ -18,11 +18,12 @@
 //! [Gu2003] §4; [Mercat2001] §1. Deviation: conjugates by wedge products on the intrinsic Delaunay
 //! triangulation, see docs/papers/he2005.md.
 
-use msplines_common::mesh::TriangleMesh;
+use msplines_common::mesh::{NONE, TriangleMesh};
 use msplines_common::operators::intrinsic::{
     DELAUNAY_TOLERANCE, FlipRule, IntrinsicTriangulation, intrinsic_delaunay_by,
 };
 use msplines_common::operators::{Poisson, assemble, half_cotangents};
+use msplines_common::progress::{Observer, Stages};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -74,9 +75,12 @@ impl HolomorphicBasis {
     /// Builds the basis: one factorisation and 2g right-hand sides, solved until fluxes balance.
     ///
     /// # Errors
-    /// A boundary, several components, genus 0, or coordinates that are not finite.
-    pub fn build(mesh: &TriangleMesh) -> Result<Self, ConformalError> {
-        Self::of(mesh, &Homology::build(mesh.topology())?, &[])
+    /// A boundary, several components, genus 0, or coordinates that are not finite; the observer, which
+    /// sees the phase `domain`, asks to stop.
+    pub fn build(mesh: &TriangleMesh, observer: &mut Observer<'_>) -> Result<Self, ConformalError> {
+        let mut stages = Stages::new("domain", 0, observer);
+        stages.enter()?;
+        Self::of(mesh, &Homology::build(mesh.topology())?, &[], &mut stages)
     }
 
     /// Builds the basis over given integer forms, with equal weights on all edges at some vertices,
@@ -88,10 +92,12 @@ impl HolomorphicBasis {
         mesh: &TriangleMesh,
         homology: &Homology,
         relaxed: &[u32],
+        stages: &mut Stages<'_, '_>,
     ) -> Result<Self, ConformalError> {
         if homology.genus() == 0 {
             return Err(ConformalError::NoForm);
         }
+        stages.enter()?;
         let triangulation = intrinsic_delaunay_by(mesh, FlipRule::Simplicial)?;
         let cocycles = homology.cocycles.par_iter();
         let carried: Vec<Cocycle> = cocycles.map(|w| carry(&triangulation, w)).collect();
@@ -107,9 +113,11 @@ impl HolomorphicBasis {
             .collect();
         let changes = change_weights(&triangulation, relaxed, &mut weights);
         operators.laplacian.add_to_entries(&changes);
+        stages.enter()?;
         let poisson = Poisson::factor(&operators)?;
         let mut potentials = Potentials::start(mesh.vertex_count(), &triangulation.faces, &carried);
-        let co_closedness = potentials.solve(&poisson, &weights);
+        let co_closedness = potentials.solve(&poisson, &weights, stages)?;
+        stages.enter()?;
         let gram = gram(&potentials, &weights, &carried);
         let conjugation = inverse_wedges(&homology.cocycles)? * &gram;
         let classes = carried.len();
@@ -236,10 +244,8 @@ fn change_weights(
         let [a, b] = [one, other].map(|h| triangulation.faces[h / 3][h % 3]);
         let wanted = if is_relaxed(a) || is_relaxed(b) {
             EQUAL_WEIGHT
-        } else if weight < -rounding {
-            NEEDLE_WEIGHT
         } else {
-            weight.max(least)
+            inner_weight(weight, rounding, least)
         };
         if wanted != weight {
             weights[one] = 0.5 * wanted;
@@ -249,6 +255,30 @@ fn change_weights(
         }
     }
     entries
+}
+
+/// Returns weights of edges, the same at both half-edges, with those that are less than zero and not on
+/// a boundary raised.
+pub(crate) fn raised(triangulation: &IntrinsicTriangulation, mut weights: Vec<f64>) -> Vec<f64> {
+    for (weight, &twin) in weights.iter_mut().zip(&triangulation.twins) {
+        if twin != NONE {
+            *weight = inner_weight(
+                *weight,
+                DELAUNAY_TOLERANCE * (1.0 + weight.abs()),
+                LEAST_WEIGHTS[0],
+            );
+        }
+    }
+    weights
+}
+
+/// What an edge inside weighs instead of `weight`, which may be less than zero by `rounding`.
+fn inner_weight(weight: f64, rounding: f64, least: f64) -> f64 {
+    if weight < -rounding {
+        NEEDLE_WEIGHT
+    } else {
+        weight.max(least)
+    }
 }
 
 /// Inner products `G_ij = W_iᵀ c H_j`: what `H_i` adds to `W_i` is orthogonal to harmonic forms.

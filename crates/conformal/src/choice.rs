@@ -107,6 +107,14 @@ impl FormChoice {
 }
 
 impl FormChoice {
+    /// Whether the choice leaves one form only.
+    pub(crate) fn is_given(&self) -> bool {
+        match self {
+            Self::Optimal { .. } | Self::Integer { .. } => false,
+            Self::Coefficients(_) | Self::Periods(_) | Self::IntegerPeriods(_) => true,
+        }
+    }
+
     /// Returns the form of the same class over the basis of a mesh that was split or relaxed.
     pub(crate) fn carried(
         &self,
@@ -220,11 +228,11 @@ fn minima(basis: &HolomorphicBasis, measure: &Uniformity, seed: u64) -> Vec<(f64
 /// Forms with an integer imaginary part, best first.
 fn integer(basis: &HolomorphicBasis, seed: u64) -> Vec<HolomorphicForm> {
     let measure = Uniformity::sample(basis);
-    let cost = |class: &[i32]| {
-        let n = DVector::from_iterator(class.len(), class.iter().map(|&n| f64::from(n)));
+    let cost = |class: &[i64]| {
+        let n = DVector::from_iterator(class.len(), class.iter().map(|&n| n as f64));
         measure.variance(&-basis.conjugate(&n))
     };
-    let mut tried: Vec<Vec<i32>> = Vec::new();
+    let mut tried: Vec<Vec<i64>> = Vec::new();
     for (_, real) in minima(basis, &measure, seed) {
         let imaginary = basis.conjugate(&real);
         for direction in 0..DIRECTIONS {
@@ -236,19 +244,19 @@ fn integer(basis: &HolomorphicBasis, seed: u64) -> Vec<HolomorphicForm> {
                 let rounded = turned
                     .iter()
                     .map(|v| (v / scale * f64::from(largest)).round());
-                primitive(rounded.map(|v| v as i32).collect())
+                primitive(rounded.map(|v| v as i64).collect()).0
             }));
         }
     }
     tried.sort_unstable();
     tried.dedup();
-    let mut ranked: Vec<(f64, Vec<i32>)> = tried
+    let mut ranked: Vec<(f64, Vec<i64>)> = tried
         .into_par_iter()
         .map(|class| (cost(&class), class))
         .collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
     ranked.truncate(CLIMBERS);
-    let mut climbed: Vec<(f64, Vec<i32>)> = ranked
+    let mut climbed: Vec<(f64, Vec<i64>)> = ranked
         .into_par_iter()
         .map(|start| climb(start, cost))
         .collect();
@@ -257,7 +265,7 @@ fn integer(basis: &HolomorphicBasis, seed: u64) -> Vec<HolomorphicForm> {
     climbed
         .into_iter()
         .map(|(log_variance, class)| {
-            let entries = class.iter().map(|&n| f64::from(n));
+            let entries = class.iter().map(|&n| n as f64);
             let imaginary = DVector::from_iterator(class.len(), entries);
             HolomorphicForm {
                 real: -basis.conjugate(&imaginary),
@@ -269,7 +277,7 @@ fn integer(basis: &HolomorphicBasis, seed: u64) -> Vec<HolomorphicForm> {
 }
 
 /// Changes one entry by one while that helps.
-fn climb(start: (f64, Vec<i32>), cost: impl Fn(&[i32]) -> f64) -> (f64, Vec<i32>) {
+fn climb(start: (f64, Vec<i64>), cost: impl Fn(&[i64]) -> f64) -> (f64, Vec<i64>) {
     let (mut best, mut class) = start;
     loop {
         let before = best;
@@ -287,20 +295,21 @@ fn climb(start: (f64, Vec<i32>), cost: impl Fn(&[i32]) -> f64) -> (f64, Vec<i32>
             }
         }
         if best >= before {
-            return (best, primitive(class));
+            return (best, primitive(class).0);
         }
     }
 }
 
-/// Divides a class by the greatest common divisor of its entries.
-fn primitive(class: Vec<i32>) -> Vec<i32> {
-    let divisor = class
+/// Divides a class by the greatest common divisor of its entries, and returns that too.
+pub(crate) fn primitive(class: Vec<i64>) -> (Vec<i64>, i64) {
+    let divisors = class
         .iter()
         .fold(0, |a, &b| greatest_common_divisor(a, b.abs()));
-    class.into_iter().map(|n| n / divisor.max(1)).collect()
+    let divisor = divisors.max(1);
+    (class.into_iter().map(|n| n / divisor).collect(), divisor)
 }
 
-fn greatest_common_divisor(a: i32, b: i32) -> i32 {
+fn greatest_common_divisor(a: i64, b: i64) -> i64 {
     if b == 0 {
         a
     } else {

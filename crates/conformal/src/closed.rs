@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use msplines_common::mesh::{SplitMesh, SurfacePoint, TriangleMesh, split_at};
+use msplines_common::progress::{Observer, Stages};
 
 use crate::atlas::{Atlas, Ground, failure};
 use crate::basis::HolomorphicBasis;
@@ -10,11 +11,33 @@ use crate::choice::{FormChoice, HolomorphicForm};
 use crate::error::ConformalError;
 use crate::flat::FlatComplex;
 use crate::homology::Homology;
-use crate::measure::stretch;
+use crate::measure::{measure_flat, stretch};
 use crate::zeros::Findings;
 
-/// Rounds of mending before a mesh is given up.
-const ROUNDS: usize = 12;
+/// What a search may do to a mesh.
+#[derive(Clone, Copy, Debug)]
+struct Effort {
+    /// Rounds of mending before a mesh is given up.
+    rounds: usize,
+    /// Share of the faces that may be folded, beyond a few.
+    folded: f64,
+}
+
+/// The effort for forms that are chosen.
+const CHOSEN: Effort = Effort {
+    rounds: 12,
+    folded: 1.0,
+};
+
+/// The effort for a form that was asked for. A form that fades over a handle folds most faces there, and
+/// splitting them all helps no more than waiting.
+const GIVEN: Effort = Effort {
+    rounds: 4,
+    folded: 1e-3,
+};
+
+/// Folded faces that are mended on any mesh.
+const FEW: f64 = 64.0;
 
 /// Rounds in which faces that are laid out as needles are mended as if they were folded.
 ///
@@ -49,18 +72,19 @@ impl Atlas {
     /// Forms are tried in the order of the choice. Where all of them fold the mesh away from their
     /// zeros, or have zeros too close together, the best of them is kept: weights are made equal where
     /// it folds, and faces there and at crowded zeros are split into four, twelve times at most;
-    /// [`Self::added_vertices`] tells how many vertices that added.
+    /// [`Self::added_vertices`] tells how many vertices that added. A form that was asked for is mended
+    /// four times at most, and only where few faces are wrong. `observer` sees the phase `domain`.
     ///
     /// # Errors
-    /// As [`HolomorphicBasis::build`] and [`FormChoice::candidates`]; a mesh that stays too coarse.
-    pub fn closed(mesh: &TriangleMesh, choice: &FormChoice) -> Result<ClosedAtlas, ConformalError> {
-        // An atlas with needles is better than none.
-        search(mesh, choice, NEEDLE_ROUNDS).or_else(|error| match error {
-            ConformalError::Folded { .. } | ConformalError::TooCoarse { .. } => {
-                search(mesh, choice, 0)
-            }
-            other => Err(other),
-        })
+    /// As [`HolomorphicBasis::build`] and [`FormChoice::candidates`]; a mesh that stays too coarse; a
+    /// form asked for that cannot be laid out.
+    pub fn closed(
+        mesh: &TriangleMesh,
+        choice: &FormChoice,
+        observer: &mut Observer<'_>,
+    ) -> Result<ClosedAtlas, ConformalError> {
+        let effort = if choice.is_given() { GIVEN } else { CHOSEN };
+        search(mesh, choice, effort, observer)
     }
 }
 
@@ -68,46 +92,40 @@ impl Atlas {
 fn search(
     mesh: &TriangleMesh,
     choice: &FormChoice,
-    needle_rounds: usize,
+    effort: Effort,
+    observer: &mut Observer<'_>,
 ) -> Result<ClosedAtlas, ConformalError> {
-    let mut search = Search {
-        mesh: mesh.clone(),
-        homology: Homology::build(mesh.topology())?,
-        relaxed: Vec::new(),
-        kept: None,
-        parents: (0..mesh.face_count() as u32).collect(),
-    };
+    let mut stages = Stages::new("domain", 0, observer);
+    stages.enter()?;
+    let mut search = Search::start(mesh)?;
+    let mut with_needles = None;
     let mut round = 0;
     loop {
-        let basis = HolomorphicBasis::of(&search.mesh, &search.homology, &search.relaxed)?;
+        let basis =
+            HolomorphicBasis::of(&search.mesh, &search.homology, &search.relaxed, &mut stages)?;
         let ground = Ground::build(&search.mesh, basis.triangulation());
-        let candidates = match &search.kept {
-            Some(form) => vec![choice.carried(form, &basis)],
-            None => choice.candidates(&basis)?,
-        };
-        let tried = candidates.into_iter().map(|form| {
-            let (flat, findings) = ground.lay_out(basis.form([&form.real, &form.imaginary]), None);
-            (form, flat, findings)
-        });
-        let Some((form, flat, mut findings)) = best(tried) else {
-            return Err(ConformalError::ZeroForm);
-        };
-        let clean = findings.is_clean();
-        if clean && round < needle_rounds {
-            findings.folded = needles(&flat, &search.mesh, &findings);
-        }
+        let (form, flat, mut findings) = search.lay_out(choice, &basis, &ground, &mut stages)?;
+        let mut error = failure(&flat, &findings, round);
         if findings.is_clean() {
-            let atlas = ground.atlas(flat, findings.zeros, mesh.vertex_count(), round)?;
-            return Ok(ClosedAtlas {
-                atlas,
-                mesh: search.mesh,
-                basis,
-                form,
-                parents: search.parents,
-            });
+            let needles = needles(&flat, &search.mesh, &findings);
+            let zeros = std::mem::take(&mut findings.zeros);
+            let atlas = match ground.atlas(flat.clone(), zeros, mesh.vertex_count(), round) {
+                Ok(atlas) => atlas,
+                Err(error) => return with_needles.ok_or(error),
+            };
+            let found = search.found(atlas, basis, form.clone());
+            if needles.is_empty() || round >= NEEDLE_ROUNDS {
+                return Ok(found);
+            }
+            findings.folded = needles;
+            with_needles = with_needles.or(Some(found));
+        } else if choice.is_given() && findings.folds() > 0 {
+            error = unsuited(&flat, &findings, round, length_spread(&basis, &form));
         }
-        if round == ROUNDS || !search.mend(round, form, &flat, &findings) {
-            return Err(failure(&flat, &findings, round));
+        let most = (effort.folded * flat.faces().len() as f64).max(FEW);
+        let is_hopeless = round == effort.rounds || findings.folds() as f64 > most;
+        if is_hopeless || !search.mend(round, form, &flat, &findings) {
+            return with_needles.ok_or(error);
         }
         round += 1;
     }
@@ -129,23 +147,22 @@ fn needles(flat: &FlatComplex, mesh: &TriangleMesh, findings: &Findings) -> Vec<
     faces.filter(|&face| is_needle(face)).collect()
 }
 
-/// The first clean one, or else the one with least that is wrong.
-fn best(
-    tried: impl Iterator<Item = (HolomorphicForm, FlatComplex, Findings)>,
-) -> Option<(HolomorphicForm, FlatComplex, Findings)> {
-    let mut best: Option<(HolomorphicForm, FlatComplex, Findings)> = None;
-    for one in tried {
-        if one.2.is_clean() {
-            return Some(one);
-        }
-        if best
-            .as_ref()
-            .is_none_or(|best| one.2.badness() < best.2.badness())
-        {
-            best = Some(one);
-        }
+/// Says why a form that was asked for is none to lay a surface out by.
+fn unsuited(flat: &FlatComplex, findings: &Findings, rounds: usize, spread: f64) -> ConformalError {
+    let first = folded_corners(flat, findings).next();
+    ConformalError::Unsuited {
+        flips: findings.folds(),
+        faces: flat.faces().len(),
+        vertex: first.unwrap_or(0),
+        rounds,
+        spread,
     }
-    best
+}
+
+/// 99th over 1st percentile of the lengths of a form, over the area of the surface.
+fn length_spread(basis: &HolomorphicBasis, form: &HolomorphicForm) -> f64 {
+    let edges = basis.form([&form.real, &form.imaginary]);
+    measure_flat(&basis.triangulation().lengths, &edges).scale_spread
 }
 
 /// A surface that is mended until a form lies flat on it.
@@ -161,6 +178,55 @@ struct Search {
 }
 
 impl Search {
+    fn start(mesh: &TriangleMesh) -> Result<Self, ConformalError> {
+        Ok(Self {
+            mesh: mesh.clone(),
+            homology: Homology::build(mesh.topology())?,
+            relaxed: Vec::new(),
+            kept: None,
+            parents: (0..mesh.face_count() as u32).collect(),
+        })
+    }
+
+    /// Lays out the form that is kept, or those of the choice until one is clean.
+    fn lay_out(
+        &self,
+        choice: &FormChoice,
+        basis: &HolomorphicBasis,
+        ground: &Ground<'_>,
+        stages: &mut Stages<'_, '_>,
+    ) -> Result<(HolomorphicForm, FlatComplex, Findings), ConformalError> {
+        stages.enter()?;
+        let candidates = match &self.kept {
+            Some(form) => vec![choice.carried(form, basis)],
+            None => choice.candidates(basis)?,
+        };
+        let mut best: Option<(HolomorphicForm, FlatComplex, Findings)> = None;
+        for form in candidates {
+            stages.enter()?;
+            let (flat, findings) = ground.lay_out(basis.form([&form.real, &form.imaginary]), None);
+            let badness = best.as_ref().map(|best| best.2.badness());
+            if badness.is_none_or(|least| findings.badness() < least) {
+                best = Some((form, flat, findings));
+            }
+            if best.as_ref().is_some_and(|best| best.2.is_clean()) {
+                break;
+            }
+        }
+        best.ok_or(ConformalError::ZeroForm)
+    }
+
+    /// Returns an atlas with what it was made from.
+    fn found(&self, atlas: Atlas, basis: HolomorphicBasis, form: HolomorphicForm) -> ClosedAtlas {
+        ClosedAtlas {
+            atlas,
+            mesh: self.mesh.clone(),
+            basis,
+            form,
+            parents: self.parents.clone(),
+        }
+    }
+
     /// Relaxes weights and splits faces where a form is wrong; returns whether anything changed.
     fn mend(
         &mut self,
@@ -172,9 +238,9 @@ impl Search {
         self.kept = Some(form);
         let before = self.relaxed.len();
         self.relax(round + 1, flat, findings);
-        let folds = findings.folded.len() + findings.inconsistent.len();
-        if round < RELAXATIONS && findings.not_disks.len() <= folds {
-            return self.relaxed.len() > before;
+        let is_relaxed = self.relaxed.len() > before;
+        if round < RELAXATIONS && is_relaxed && findings.not_disks.len() <= findings.folds() {
+            return true;
         }
         let Some(split) = split_around(&self.mesh, flat, findings) else {
             return false;
@@ -215,6 +281,18 @@ pub(crate) fn split_around(
     flat: &FlatComplex,
     findings: &Findings,
 ) -> Option<SplitMesh> {
+    let points = points_around(mesh, flat, findings);
+    (!points.is_empty())
+        .then(|| split_at(mesh, &points).ok())
+        .flatten()
+}
+
+/// Returns the middles of the sides of the faces around what is wrong.
+pub(crate) fn points_around(
+    mesh: &TriangleMesh,
+    flat: &FlatComplex,
+    findings: &Findings,
+) -> Vec<SurfacePoint> {
     let is_crowded = |vertices: &[u32]| findings.not_disks.contains(&vertices[0]);
     let zeros = findings
         .zeros
@@ -232,10 +310,39 @@ pub(crate) fn split_around(
     };
     let faces = (0..mesh.face_count() as u32).filter(near);
     let middles = [[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]];
-    let points: Vec<SurfacePoint> = faces
+    faces
         .flat_map(|face| middles.map(|at| SurfacePoint { face, at }))
-        .collect();
-    (!points.is_empty())
-        .then(|| split_at(mesh, &points).ok())
-        .flatten()
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use msplines_common::mesh::FlipComplex;
+    use msplines_common::progress::unobserved;
+
+    use super::*;
+    use crate::tests::with_spike;
+
+    #[test]
+    fn an_atlas_with_needles_is_better_than_none() {
+        let mesh = with_spike(32, 0.9);
+        let of = |rounds: usize| {
+            let effort = Effort {
+                rounds,
+                folded: 1.0,
+            };
+            let found = search(&mesh, &FormChoice::default(), effort, &mut unobserved());
+            let atlas = found.expect("an atlas").atlas;
+            let glued = FlipComplex::of(atlas.mesh().topology());
+            let flat = FlatComplex::of(&glued, atlas.form().to_vec());
+            let count = needles(&flat, atlas.mesh(), &Findings::default()).len();
+            (count, atlas.folded_faces(), atlas.refinements())
+        };
+        // Where nothing may be mended, the atlas with needles is what there is.
+        let (count, folded, rounds) = of(0);
+        assert!(count > 10, "{count} needles");
+        assert_eq!((folded, rounds), (0, 0));
+        // One round mends them all.
+        assert_eq!(of(CHOSEN.rounds), (0, 0, 1));
+    }
 }

@@ -91,6 +91,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use msplines_common::mesh::shapes;
+    use msplines_common::progress::unobserved;
 
     use crate::{Atlas, AtlasOptions, SurfaceAtlas};
 
@@ -102,7 +103,7 @@ mod tests {
             puncture: puncture.to_vec(),
             ..AtlasOptions::default()
         };
-        Atlas::of_surface(mesh, &options).expect("an atlas")
+        Atlas::of_surface(mesh, &options, &mut unobserved()).expect("an atlas")
     }
 
     /// How many images each vertex has, and the farthest of a side from the form over the diagonal.

@@ -11,6 +11,7 @@ use msplines_common::mesh::{NONE, TriangleMesh};
 use msplines_common::operators::intrinsic::{
     FlipRule, IntrinsicError, IntrinsicTriangulation, intrinsic_delaunay_by,
 };
+use msplines_common::progress::{Observer, Stages, Stopped};
 
 use crate::extension::{Extension, bound_below, cotangent_weights, ends, laplacian};
 use crate::measure::{Distortion, area, measure_planar, planar_flips};
@@ -44,6 +45,9 @@ pub enum DiskError {
         /// Number of handles.
         genus: i64,
     },
+    /// The observer asked to stop before there was a map.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
     /// No intrinsic triangulation.
     #[error(transparent)]
     Intrinsic(#[from] IntrinsicError),
@@ -80,6 +84,9 @@ pub enum Route {
     Convex,
 }
 
+/// Stages that the observer sees: triangulation, ordering, the map, and the other one if it folds.
+const STAGES: u64 = 4;
+
 /// A locally one-to-one map of the vertices of a disk into the plane.
 #[derive(Clone, Debug)]
 pub struct DiskMap {
@@ -108,20 +115,28 @@ pub struct DiskMap {
 /// Delaunay triangulation.
 ///
 /// # Errors
-/// A mesh that is not one disk.
-pub fn flatten_disk(mesh: &TriangleMesh) -> Result<DiskMap, DiskError> {
+/// A mesh that is not one disk; the observer asks to stop.
+pub fn flatten_disk(
+    mesh: &TriangleMesh,
+    observer: &mut Observer<'_>,
+) -> Result<DiskMap, DiskError> {
     check(mesh)?;
+    let mut stages = Stages::new("domain", STAGES, observer);
+    stages.enter()?;
     let triangulation = intrinsic_delaunay_by(mesh, FlipRule::Simplicial)?;
     let disk = Disk::of(mesh.vertex_count(), &triangulation);
     let mut weights = cotangent_weights(&triangulation);
     let matrix = laplacian(mesh.vertex_count(), &triangulation, &weights);
+    stages.enter()?;
     let ordering = Ordering::nested_dissection(&matrix)?;
+    stages.enter()?;
     let mut route = Route::BoundaryFirst;
     let mut points = disk.boundary_first(&matrix, &ordering)?;
     if !planar_flips(&triangulation.faces, &points).is_empty() {
         let moved = untangle_plane(&triangulation, &mut points);
         route = Route::Repaired { moved };
     }
+    stages.enter()?;
     if !disk.is_locally_injective(&points) {
         bound_below(&mut weights, WEIGHT_FLOOR);
         let matrix = laplacian(mesh.vertex_count(), &triangulation, &weights);

@@ -1,5 +1,6 @@
 use msplines_common::mesh::shapes;
 use msplines_common::mesh::zoo;
+use msplines_common::progress::unobserved;
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::*;
@@ -48,7 +49,7 @@ fn a_flat_disk_stays_congruent() {
     let turn = Rotation3::from_euler_angles(0.3, 1.1, -0.7);
     let flat = |p: &Point3<f64>| turn * Point3::new(p.x + 0.2 * p.z, p.y - 0.1 * p.z, 0.0);
     let mesh = patch.with_positions(patch.positions().iter().map(flat).collect());
-    let map = flatten_disk(&mesh).expect("a flattening");
+    let map = flatten_disk(&mesh, &mut unobserved()).expect("a flattening");
     assert_eq!((map.route, map.distortion.flips), (Route::BoundaryFirst, 0));
     for (a, b) in [(0, 440), (20, 200), (77, 301)] {
         let expected = (mesh.positions()[a] - mesh.positions()[b]).norm();
@@ -63,7 +64,7 @@ fn a_spherical_cap_becomes_its_stereographic_image() {
     let errors: Vec<f64> = [8, 16, 32]
         .map(|rings| {
             let mesh = cap(ANGLE, rings);
-            let map = flatten_disk(&mesh).expect("a flattening");
+            let map = flatten_disk(&mesh, &mut unobserved()).expect("a flattening");
             assert_eq!(map.route, Route::BoundaryFirst);
             let scale = ANGLE.sin() / (0.5 * ANGLE).tan();
             let error = |v: usize| {
@@ -89,7 +90,7 @@ fn curved_disks_have_no_flips() {
         cap(2.9, 20),
     );
     for (mesh, largest) in [(patch, 1.03), (fine, 1.01), (cap, 1.13)] {
-        let map = flatten_disk(&mesh).expect("a flattening");
+        let map = flatten_disk(&mesh, &mut unobserved()).expect("a flattening");
         assert_eq!(map.distortion.flips, 0);
         assert!(map.distortion.angle_mean < largest, "{:?}", map.distortion);
     }
@@ -125,24 +126,31 @@ fn the_convex_map_is_one_to_one() {
 #[test]
 fn size_place_and_threads_do_not_matter() {
     let mesh = zoo::with_boundary();
-    let map = flatten_disk(&mesh).expect("a flattening");
+    let map = flatten_disk(&mesh, &mut unobserved()).expect("a flattening");
     let shift = Vector3::new(3.0, -2.0, 1.0);
     let larger = mesh.with_positions(mesh.positions().iter().map(|p| p * 37.0 + shift).collect());
-    let scaled = flatten_disk(&larger).expect("a flattening");
+    let scaled = flatten_disk(&larger, &mut unobserved()).expect("a flattening");
     for v in 0..mesh.vertex_count() {
         assert!((distance(&scaled, 0, v) - 37.0 * distance(&map, 0, v)).abs() < 1e-9);
     }
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.expect("a pool")
-            .install(|| flatten_disk(&mesh).expect("a flattening").points)
+        pool.expect("a pool").install(|| {
+            flatten_disk(&mesh, &mut unobserved())
+                .expect("a flattening")
+                .points
+        })
     };
     assert_eq!(on(1), on(2));
 }
 
 #[test]
 fn what_is_no_disk_is_refused() {
-    let error = |mesh: &TriangleMesh| flatten_disk(mesh).expect_err("no disk").to_string();
+    let error = |mesh: &TriangleMesh| {
+        flatten_disk(mesh, &mut unobserved())
+            .expect_err("no disk")
+            .to_string()
+    };
     assert!(error(&zoo::closed()).contains("0 boundary loops"));
     assert!(error(&zoo::with_two_boundaries()).contains("2 boundary loops"));
     let torus = zoo::genus(1);

@@ -3,9 +3,11 @@
 use msplines_common::mesh::{SplitError, TopologyError};
 use msplines_common::operators::PoissonError;
 use msplines_common::operators::intrinsic::IntrinsicError;
+use msplines_common::progress::Stopped;
 
 use crate::bounded::{BoundedError, PunctureError};
 use crate::disk::DiskError;
+use crate::poles::PolesError;
 use crate::sphere::SphereError;
 
 /// Why no holomorphic 1-form or atlas could be built.
@@ -45,6 +47,22 @@ pub enum ConformalError {
     /// No form of a surface with boundary.
     #[error(transparent)]
     Bounded(#[from] BoundedError),
+    /// No form with poles.
+    #[error(transparent)]
+    Poles(#[from] PolesError),
+    /// Edge values that are not differences of a function up to integers.
+    #[error(
+        "the imaginary part of the form is {defect} away from an integer at vertex {vertex}; ask for a form with integer periods"
+    )]
+    NotIntegral {
+        /// A vertex of the edge.
+        vertex: u32,
+        /// How far.
+        defect: f64,
+    },
+    /// The observer asked to stop before there was an atlas.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
     /// Faces that cannot be split.
     #[error(transparent)]
     Split(#[from] SplitError),
@@ -92,6 +110,22 @@ pub enum ConformalError {
         /// Refinements tried.
         rounds: usize,
     },
+    /// The form that was asked for cannot be laid out, and no other one was to be tried.
+    #[error(
+        "the form asked for folds {flips} of {faces} faces away from its zeros, the first at vertex {vertex}, after {rounds} local refinements, and its lengths spread over a factor of {spread:.1e}: it fades over a part of the surface; let the form be chosen (leave out --form), or ask for one of more even length"
+    )]
+    Unsuited {
+        /// Number of folded faces, and of vertices at which the form is no zero and no regular point.
+        flips: usize,
+        /// Faces laid out.
+        faces: usize,
+        /// A vertex of one.
+        vertex: u32,
+        /// Refinements tried.
+        rounds: usize,
+        /// 99th over 1st percentile of the lengths of the form, over the area of the surface.
+        spread: f64,
+    },
     /// Zeros lie too close together, or too close to a boundary, to be cut out one by one.
     #[error(
         "the zero of the form at vertex {vertex} cannot be cut out as a disk after {rounds} local refinements; the mesh is too coarse for its topology there: refine it, or choose another form"
@@ -102,4 +136,18 @@ pub enum ConformalError {
         /// Refinements tried.
         rounds: usize,
     },
+}
+
+impl ConformalError {
+    /// Returns whether the observer asked to stop.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        matches!(
+            self,
+            Self::Stopped(_)
+                | Self::Disk(DiskError::Stopped(_))
+                | Self::Sphere(SphereError::Stopped(_))
+                | Self::Bounded(BoundedError::Stopped(_))
+        )
+    }
 }

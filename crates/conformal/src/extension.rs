@@ -7,10 +7,9 @@ use msplines_common::linalg::{
     Cholesky, FactorError, Mat, Ordering, Symbolic, SymmetricMatrix, column_mut,
 };
 use msplines_common::mesh::{NONE, Topology};
+use msplines_common::operators::half_cotangents;
 use msplines_common::operators::intrinsic::IntrinsicTriangulation;
 use rayon::prelude::*;
-
-use crate::measure::area;
 
 /// Solves after the first, each from the residual of the one before, which is formed from
 /// differences: small triangles far from the origin keep their digits.
@@ -21,20 +20,8 @@ const REFINEMENTS: usize = 2;
 /// # Reference
 /// [Pinkall1993].
 pub(crate) fn cotangent_weights(triangulation: &IntrinsicTriangulation) -> Vec<f64> {
-    let halves: Vec<f64> = (triangulation.lengths.iter())
-        .flat_map(|&sides| {
-            let fourfold = 4.0 * area(sides);
-            let [a, b, c] = sides;
-            let half_cotangent = |opposite: f64, one: f64, other: f64| {
-                0.5 * (one * one + (other - opposite) * (other + opposite)) / fourfold
-            };
-            [
-                half_cotangent(a, b, c),
-                half_cotangent(b, c, a),
-                half_cotangent(c, a, b),
-            ]
-        })
-        .collect();
+    let lengths = triangulation.lengths.iter();
+    let halves: Vec<f64> = lengths.flat_map(|&sides| half_cotangents(sides)).collect();
     let twins = &triangulation.twins;
     let total = |(h, &own): (usize, &f64)| match twins[h] {
         NONE => own,

@@ -3,11 +3,13 @@
 //! [`Atlas::of_surface`] lays out any connected surface that it can: a closed one of genus >= 1 by a
 //! holomorphic form ([`HolomorphicBasis`], [`FormChoice`]), a sphere by its conformal map to the round
 //! one ([`sphere`]), a disk by flattening it ([`disk`]), a sphere with several holes by a harmonic
-//! function and its conjugate ([`bounded`]).
+//! function and its conjugate ([`bounded`]). [`Atlas::with_poles`] lets forms leave through the tips
+//! of limbs ([`poles`]); a [`CircleMap`] tells the imaginary part of forms with integer periods.
 
 mod atlas;
 mod basis;
 mod choice;
+mod circle;
 mod closed;
 mod descent;
 mod develop;
@@ -28,11 +30,13 @@ mod zeros;
 pub mod bounded;
 pub mod disk;
 pub mod measure;
+pub mod poles;
 pub mod sphere;
 
 pub use atlas::Atlas;
 pub use basis::HolomorphicBasis;
 pub use choice::{FormChoice, HolomorphicForm};
+pub use circle::CircleMap;
 pub use closed::ClosedAtlas;
 pub use error::ConformalError;
 pub use homology::{Cocycle, Homology};

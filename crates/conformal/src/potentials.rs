@@ -12,6 +12,7 @@
 
 use msplines_common::linalg::{Mat, column_mut};
 use msplines_common::operators::Poisson;
+use msplines_common::progress::{Stages, Stopped};
 use rayon::prelude::*;
 
 use crate::homology::Cocycle;
@@ -96,10 +97,19 @@ impl Potentials {
 
     /// Makes the forms harmonic; returns the largest remaining flux out of a vertex relative to the
     /// largest one beside that vertex.
-    pub(crate) fn solve(&mut self, poisson: &Poisson, weights: &[f64]) -> f64 {
+    ///
+    /// # Errors
+    /// The observer asks to stop, before one of the solves.
+    pub(crate) fn solve(
+        &mut self,
+        poisson: &Poisson,
+        weights: &[f64],
+        stages: &mut Stages<'_, '_>,
+    ) -> Result<f64, Stopped> {
         let mut fluxes = self.fluxes(weights);
         let mut solves = 0;
         loop {
+            stages.enter()?;
             poisson.solve_balanced_in_place(fluxes.into_vertices.as_mut());
             for (place, value) in self.values.iter_mut().enumerate() {
                 let (vertex, k) = (place / self.classes, place % self.classes);
@@ -108,7 +118,7 @@ impl Potentials {
             fluxes = self.fluxes(weights);
             solves += 1;
             if fluxes.unrest <= BALANCED || solves == SOLVES {
-                return fluxes.unrest;
+                return Ok(fluxes.unrest);
             }
             for (k, &vertex) in fluxes.strongest.iter().enumerate() {
                 let column = column_mut(fluxes.into_vertices.as_mut(), k);
@@ -186,6 +196,16 @@ impl Potentials {
             let along = |i: usize| difference(f[(i + 1) % 3], f[i], f64::from(integers[i]));
             out[k] = std::array::from_fn(along);
         }
+    }
+
+    /// Returns the combination of the functions, without the integer forms, by vertex.
+    pub(crate) fn function(&self, coefficients: &[f64]) -> Vec<f64> {
+        let vertices = self.values.chunks_exact(self.classes);
+        let sum = |values: &[[f64; PARTS]]| {
+            let terms = values.iter().zip(coefficients);
+            terms.map(|(value, a)| a * value.iter().sum::<f64>()).sum()
+        };
+        vertices.map(sum).collect()
     }
 
     /// Returns, by half-edge, the combinations of the forms with two sets of coefficients.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use msplines_common::mesh::{Facts, NONE, SurfacePoint, TopologyError, TriangleMesh, split_at};
 use msplines_common::operators::intrinsic::{FlipRule, IntrinsicTriangulation};
+use msplines_common::progress::Observer;
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +12,7 @@ use crate::atlas::{Atlas, Ground, failure};
 use crate::basis::HolomorphicBasis;
 use crate::bounded::{bounded_form, puncture};
 use crate::choice::{FormChoice, HolomorphicForm};
+use crate::circle::CircleMap;
 use crate::closed::split_around;
 use crate::disk::flatten_disk;
 use crate::error::ConformalError;
@@ -73,6 +75,24 @@ pub struct SurfaceAtlas {
     pub report: AtlasReport,
 }
 
+impl SurfaceAtlas {
+    /// Returns the imaginary part of the form, before that was scaled, as a map to the circle. O(g n).
+    ///
+    /// Its integral over any closed path of edges is an integer, exactly, as jumps are integers and
+    /// differences of the function cancel.
+    ///
+    /// # Errors
+    /// The imaginary part has other periods than integers, or the surface is not laid out by a form of a
+    /// closed surface.
+    pub fn circle_map(&self) -> Result<CircleMap, ConformalError> {
+        let Structure::Closed { basis, form } = &self.structure else {
+            return Err(ConformalError::NoForm);
+        };
+        let imaginary = form.imaginary.as_slice();
+        CircleMap::of(&self.atlas, basis.potentials().function(imaginary))
+    }
+}
+
 /// Figures about an atlas.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AtlasReport {
@@ -103,17 +123,18 @@ impl Atlas {
     ///
     /// # Errors
     /// Several components, stars that cannot be removed, and what the map of each kind of surface
-    /// refuses.
+    /// refuses; the observer, which sees the phase `domain`, asks to stop.
     pub fn of_surface(
         mesh: &TriangleMesh,
         options: &AtlasOptions,
+        observer: &mut Observer<'_>,
     ) -> Result<SurfaceAtlas, ConformalError> {
         if options.puncture.is_empty() {
             let all = (0..mesh.vertex_count() as u32).collect();
-            return lay_out(mesh, all, &options.form);
+            return lay_out(mesh, all, &options.form, observer);
         }
         let (rest, origins) = puncture(mesh, &options.puncture)?;
-        lay_out(&rest, origins, &options.form)
+        lay_out(&rest, origins, &options.form, observer)
     }
 }
 
@@ -121,6 +142,7 @@ fn lay_out(
     mesh: &TriangleMesh,
     origins: Vec<u32>,
     choice: &FormChoice,
+    observer: &mut Observer<'_>,
 ) -> Result<SurfaceAtlas, ConformalError> {
     let facts = Facts::measure(mesh);
     let Some(genus) = facts.genus else {
@@ -129,11 +151,14 @@ fn lay_out(
         });
     };
     match (genus, facts.boundary_loops) {
-        (0, 0) => sphere(mesh, origins),
-        (0, 1) => disk(mesh, origins),
-        (0, _) => bounded(mesh, origins.clone()).or_else(|_| filled_disk(mesh, origins)),
-        (_, 0) => closed(mesh, origins, choice),
-        (..) => filled_closed(mesh, origins, choice),
+        (0, 0) => sphere(mesh, origins, observer),
+        (0, 1) => disk(mesh, origins, observer),
+        (0, _) => match bounded(mesh, origins.clone(), observer) {
+            Err(error) if !error.is_stopped() => filled_disk(mesh, origins, observer),
+            other => other,
+        },
+        (_, 0) => closed(mesh, origins, choice, observer),
+        (..) => filled_closed(mesh, origins, choice, observer),
     }
 }
 
@@ -141,8 +166,9 @@ fn closed(
     mesh: &TriangleMesh,
     origins: Vec<u32>,
     choice: &FormChoice,
+    observer: &mut Observer<'_>,
 ) -> Result<SurfaceAtlas, ConformalError> {
-    let found = Atlas::closed(mesh, choice)?;
+    let found = Atlas::closed(mesh, choice, observer)?;
     let triangulation = found.basis.triangulation();
     let form = found.basis.form([&found.form.real, &found.form.imaginary]);
     let distortion = distortion_outside(&found.atlas, triangulation, &form);
@@ -157,20 +183,28 @@ fn closed(
     Ok(atlas)
 }
 
-fn disk(mesh: &TriangleMesh, origins: Vec<u32>) -> Result<SurfaceAtlas, ConformalError> {
-    let map = flatten_disk(mesh)?;
+fn disk(
+    mesh: &TriangleMesh,
+    origins: Vec<u32>,
+    observer: &mut Observer<'_>,
+) -> Result<SurfaceAtlas, ConformalError> {
+    let map = flatten_disk(mesh, observer)?;
     let form = planar_edges(&map.triangulation.faces, &map.points);
     let atlas = Atlas::on_triangulation(mesh, &map.triangulation, form, None)?;
     Ok(finish(atlas, origins, 0, map.distortion))
 }
 
-fn bounded(mesh: &TriangleMesh, mut origins: Vec<u32>) -> Result<SurfaceAtlas, ConformalError> {
+fn bounded(
+    mesh: &TriangleMesh,
+    mut origins: Vec<u32>,
+    observer: &mut Observer<'_>,
+) -> Result<SurfaceAtlas, ConformalError> {
     let mut refined = mesh.clone();
     let mut round = 0;
     loop {
         refined = without_flat_faces(&refined)?;
         let levels = levels(&refined);
-        let found = bounded_form(&refined, &levels, FlipRule::Simplicial)?;
+        let found = bounded_form(&refined, &levels, FlipRule::Simplicial, observer)?;
         let ground = Ground::build(&refined, &found.triangulation);
         let (flat, findings) = ground.lay_out(found.form.clone(), None);
         if !findings.is_clean() {
@@ -189,10 +223,14 @@ fn bounded(mesh: &TriangleMesh, mut origins: Vec<u32>) -> Result<SurfaceAtlas, C
 }
 
 /// A sphere with holes as a disk: where its harmonic function has zeros too near to a hole.
-fn filled_disk(mesh: &TriangleMesh, origins: Vec<u32>) -> Result<SurfaceAtlas, ConformalError> {
+fn filled_disk(
+    mesh: &TriangleMesh,
+    origins: Vec<u32>,
+    observer: &mut Observer<'_>,
+) -> Result<SurfaceAtlas, ConformalError> {
     let open = levels(mesh).iter().position(|&level| level == 0.0);
     let (filled, cones) = with_cones(mesh, open)?;
-    let map = flatten_disk(&filled)?;
+    let map = flatten_disk(&filled, observer)?;
     let form = planar_edges(mesh.faces(), &map.points);
     let mut atlas = finish(Atlas::of_form(mesh, &form)?, origins, 0, map.distortion);
     atlas.structure = Structure::Filled { cones };
@@ -204,9 +242,10 @@ fn filled_closed(
     mesh: &TriangleMesh,
     origins: Vec<u32>,
     choice: &FormChoice,
+    observer: &mut Observer<'_>,
 ) -> Result<SurfaceAtlas, ConformalError> {
     let (filled, cones) = with_cones(mesh, None)?;
-    let found = Atlas::closed(&filled, choice)?;
+    let found = Atlas::closed(&filled, choice, observer)?;
     let form = found
         .basis
         .form_on_mesh(&found.mesh, [&found.form.real, &found.form.imaginary]);
@@ -245,7 +284,7 @@ fn filled_closed(
 }
 
 /// Closes boundary loops, all but one where one is named, by cones over their centres.
-fn with_cones(
+pub(crate) fn with_cones(
     mesh: &TriangleMesh,
     open: Option<usize>,
 ) -> Result<(TriangleMesh, usize), TopologyError> {
@@ -320,8 +359,12 @@ fn distortion_outside(
 }
 
 /// The stereographic image from the vertex where the surface is flattest.
-fn sphere(mesh: &TriangleMesh, origins: Vec<u32>) -> Result<SurfaceAtlas, ConformalError> {
-    let map = spherical_map(mesh, FlipRule::Simplicial)?;
+fn sphere(
+    mesh: &TriangleMesh,
+    origins: Vec<u32>,
+    observer: &mut Observer<'_>,
+) -> Result<SurfaceAtlas, ConformalError> {
+    let map = spherical_map(mesh, FlipRule::Simplicial, observer)?;
     let pole = flattest_vertex(mesh);
     let points = map.stereographic(map.points[pole as usize]);
     let mut form = planar_edges(&map.triangulation.faces, &points);

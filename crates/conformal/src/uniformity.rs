@@ -1,5 +1,6 @@
 //! How even the length of a holomorphic form is over a surface.
 
+use msplines_common::operators::intrinsic::IntrinsicTriangulation;
 use msplines_common::operators::triangle_area;
 use nalgebra::{DMatrix, DVector};
 
@@ -29,9 +30,8 @@ impl Uniformity {
     /// Samples the faces of the intrinsic triangulation evenly by number.
     pub(crate) fn sample(basis: &HolomorphicBasis) -> Self {
         let triangulation = basis.triangulation();
-        let faces = triangulation.faces.len();
-        let samples = faces.min(SAMPLES);
-        let chosen: Vec<usize> = (0..samples).map(|i| i * faces / samples).collect();
+        let (chosen, weights) = sampled(triangulation);
+        let samples = chosen.len();
         let classes = basis.classes();
         let (mut real, mut imaginary) = (
             DMatrix::zeros(samples, classes),
@@ -48,16 +48,11 @@ impl Uniformity {
         }
         let c = basis.conjugation();
         let parts = [&real - &imaginary * c, &imaginary + &real * c];
-        let areas: Vec<f64> = chosen
-            .iter()
-            .map(|&f| triangle_area(triangulation.lengths[f]))
-            .collect();
-        let total: f64 = areas.iter().sum();
-        let weights = areas.iter().map(|area| area / total).collect();
         Self::from_parts(&parts, weights)
     }
 
-    fn from_parts(parts: &[DMatrix<f64>; 2], weights: Vec<f64>) -> Self {
+    /// Returns the measure from the real and imaginary parts of all `q_k` on each sample.
+    pub(crate) fn from_parts(parts: &[DMatrix<f64>; 2], weights: Vec<f64>) -> Self {
         let classes = parts[0].ncols();
         let samples = parts[0].nrows();
         let mut rows = Vec::with_capacity(2 * classes * samples);
@@ -160,9 +155,22 @@ impl Objective for Uniformity {
     }
 }
 
+/// Returns faces spread evenly by number, and the share of their area that each of them has.
+pub(crate) fn sampled(triangulation: &IntrinsicTriangulation) -> (Vec<usize>, Vec<f64>) {
+    let faces = triangulation.faces.len();
+    let samples = faces.min(SAMPLES);
+    let chosen: Vec<usize> = (0..samples).map(|i| i * faces / samples).collect();
+    let areas = chosen
+        .iter()
+        .map(|&f| triangle_area(triangulation.lengths[f]));
+    let areas: Vec<f64> = areas.collect();
+    let total: f64 = areas.iter().sum();
+    (chosen, areas.iter().map(|area| area / total).collect())
+}
+
 /// The gradient of a form on a face in the plane, corner 0 at the origin and side 0 along the first
 /// axis; `along` are its values on sides 0 and 2.
-fn gradient(lengths: [f64; 3], along: [f64; 2]) -> [f64; 2] {
+pub(crate) fn gradient(lengths: [f64; 3], along: [f64; 2]) -> [f64; 2] {
     let [l, opposite, side] = lengths;
     let height = 2.0 * triangle_area(lengths) / l;
     let foot = (side * side + (l - opposite) * (l + opposite)) / (2.0 * l);

@@ -18,36 +18,19 @@ pub(crate) fn untangle_sphere(
     triangulation: &IntrinsicTriangulation,
     points: &mut [Vector3<f64>],
 ) -> usize {
-    let star = Stars::of(triangulation, points.len());
-    let mut moved = vec![false; points.len()];
-    let mut flips = spherical_flips(&triangulation.faces, points);
-    for _ in 0..ROUNDS {
-        if flips.is_empty() {
-            break;
+    untangle(triangulation, points, spherical_flips, |ring| {
+        let normal = ring.iter().sum::<Vector3<f64>>().normalize();
+        // Straight lines of the gnomonic plane are great circles.
+        let [first, second] = tangent_frame(normal);
+        if ring.iter().any(|p| p.dot(&normal) <= 0.0) {
+            return None;
         }
-        for vertex in corners(triangulation, &flips) {
-            let Some(link) = star.link(vertex) else {
-                continue;
-            };
-            let ring: Vec<Vector3<f64>> = link.iter().map(|&v| points[v as usize]).collect();
-            let normal = ring.iter().sum::<Vector3<f64>>().normalize();
-            // Straight lines of the gnomonic plane are great circles.
-            let [first, second] = tangent_frame(normal);
-            if ring.iter().any(|p| p.dot(&normal) <= 0.0) {
-                continue;
-            }
-            let flat: Vec<[f64; 2]> = ring
-                .iter()
-                .map(|p| [p.dot(&first), p.dot(&second)].map(|x| x / p.dot(&normal)))
-                .collect();
-            if let Some([x, y]) = kernel_centre(&flat) {
-                points[vertex as usize] = (normal + first * x + second * y).normalize();
-                moved[vertex as usize] = true;
-            }
-        }
-        flips = spherical_flips(&triangulation.faces, points);
-    }
-    moved.iter().filter(|&&m| m).count()
+        let project =
+            |p: &Vector3<f64>| [p.dot(&first), p.dot(&second)].map(|x| x / p.dot(&normal));
+        let flat: Vec<[f64; 2]> = ring.iter().map(project).collect();
+        let [x, y] = kernel_centre(&flat)?;
+        Some((normal + first * x + second * y).normalize())
+    })
 }
 
 /// Moves inner vertices until no triangle in the plane is turned over, and returns how many were
@@ -56,9 +39,20 @@ pub(crate) fn untangle_plane(
     triangulation: &IntrinsicTriangulation,
     points: &mut [[f64; 2]],
 ) -> usize {
+    untangle(triangulation, points, planar_flips, kernel_centre)
+}
+
+/// Moves the corners of turned triangles to the centres of the polygons around them, where these have
+/// one, and returns how many vertices were moved.
+fn untangle<P: Copy>(
+    triangulation: &IntrinsicTriangulation,
+    points: &mut [P],
+    turned: impl Fn(&[[u32; 3]], &[P]) -> Vec<u32>,
+    centre: impl Fn(&[P]) -> Option<P>,
+) -> usize {
     let star = Stars::of(triangulation, points.len());
     let mut moved = vec![false; points.len()];
-    let mut flips = planar_flips(&triangulation.faces, points);
+    let mut flips = turned(&triangulation.faces, points);
     for _ in 0..ROUNDS {
         if flips.is_empty() {
             break;
@@ -67,13 +61,13 @@ pub(crate) fn untangle_plane(
             let Some(link) = star.link(vertex) else {
                 continue;
             };
-            let ring: Vec<[f64; 2]> = link.iter().map(|&v| points[v as usize]).collect();
-            if let Some(centre) = kernel_centre(&ring) {
+            let ring: Vec<P> = link.iter().map(|&v| points[v as usize]).collect();
+            if let Some(centre) = centre(&ring) {
                 points[vertex as usize] = centre;
                 moved[vertex as usize] = true;
             }
         }
-        flips = planar_flips(&triangulation.faces, points);
+        flips = turned(&triangulation.faces, points);
     }
     moved.iter().filter(|&&m| m).count()
 }

@@ -45,9 +45,14 @@ impl Findings {
         self.inconsistent.is_empty() && self.folded.is_empty() && self.not_disks.is_empty()
     }
 
-    /// Fewer is better; first what is folded.
+    /// Number of folded faces, and of vertices that are no zero and no regular point.
+    pub(crate) fn folds(&self) -> usize {
+        self.inconsistent.len() + self.folded.len()
+    }
+
+    /// Fewer is better.
     pub(crate) fn badness(&self) -> usize {
-        self.inconsistent.len() + self.folded.len() + self.not_disks.len()
+        self.folds() + self.not_disks.len()
     }
 }
 

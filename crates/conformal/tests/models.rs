@@ -5,6 +5,7 @@ mod library;
 
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::operators::intrinsic::FlipRule;
+use msplines_common::progress::unobserved;
 use msplines_conformal::bounded::bounded_form;
 use msplines_conformal::disk::{Route, flatten_disk};
 use msplines_conformal::sphere::spherical_map;
@@ -34,7 +35,8 @@ fn closed_models_map_to_the_sphere_without_flips() {
         let Some(mesh) = library::model(name) else {
             continue;
         };
-        let map = spherical_map(&mesh, FlipRule::Simplicial).expect("a spherical map");
+        let map =
+            spherical_map(&mesh, FlipRule::Simplicial, &mut unobserved()).expect("a spherical map");
         println!("{name}: {:?}, {} moved", map.distortion, map.moved);
         assert_eq!(map.distortion.flips, 0);
         assert!(map.corrected && map.distortion.angle_mean < largest);
@@ -47,7 +49,7 @@ fn open_models_flatten_without_flips() {
         let Some(mesh) = library::model(name) else {
             continue;
         };
-        let map = flatten_disk(&mesh).expect("a flattening");
+        let map = flatten_disk(&mesh, &mut unobserved()).expect("a flattening");
         println!("{name}: {:?}, {:?}", map.distortion, map.route);
         assert_eq!(map.distortion.flips, 0);
         assert!(map.route != Route::Convex && map.distortion.angle_mean < largest);
@@ -63,7 +65,8 @@ fn five_holes_give_three_zeros_and_few_flips() {
     let loops = topology.boundary_loops().len();
     assert_eq!(loops, 5);
     let levels = [0.0, 1.0, 1.0, 1.0, 1.0];
-    let result = bounded_form(&mesh, &levels, FlipRule::Simplicial).expect("a form");
+    let result =
+        bounded_form(&mesh, &levels, FlipRule::Simplicial, &mut unobserved()).expect("a form");
     let faces = &result.triangulation.faces;
     let on_boundary = |&v: &u32| topology.is_boundary_vertex(v);
     let ears = faces.iter().filter(|f| f.iter().all(on_boundary)).count();

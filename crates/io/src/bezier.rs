@@ -20,7 +20,7 @@ const DEGREES: &str = "HigherOrderDegrees";
 /// The points of the file are the control points in the order of `cells`, in which `point_data` gives
 /// each of them its numbers; `cell_data` gives each cell its own, such as the face it lies over. Every
 /// cell has its own points, also along edges: neighbours agree there as far as their control points do.
-/// Weights are written as `RationalWeights`, degrees that differ along the directions of a cell as
+/// Cells may differ in degree: triangles tell it by the number of their points. Weights are written as `RationalWeights`, degrees that differ along the directions of a cell as
 /// `HigherOrderDegrees`.
 ///
 /// The file is written beside `path` and renamed; on an error nothing is left behind. The same cells
@@ -45,8 +45,8 @@ pub fn write_cells(
         CellShape::Quads => 2,
         CellShape::Hexahedra => 3,
     };
-    let degree = cells.degree();
-    if degree[..directions].contains(&0) {
+    let runs = cells.runs();
+    if runs.iter().any(|run| run.degree[..directions].contains(&0)) {
         return Err(WriteError::BezierDegree);
     }
     check_positions(cells.points())?;
@@ -62,16 +62,20 @@ pub fn write_cells(
         components: 1,
         values,
     });
-    let is_even = degree[..directions].iter().all(|&d| d == degree[0]);
-    let degrees = [0, 1, 2].map(|d| {
-        if d < directions {
-            degree[d] as f64
-        } else {
-            0.0
-        }
+    let is_even = |degree: [usize; 3]| degree[..directions].iter().all(|&d| d == degree[0]);
+    let uneven = runs.iter().any(|run| !is_even(run.degree));
+    let told = runs.iter().filter(|_| uneven).flat_map(|run| {
+        let degree = |d: usize| {
+            if d < directions {
+                run.degree[d] as f64
+            } else {
+                0.0
+            }
+        };
+        [0, 1, 2].map(degree).repeat(run.cells)
     });
-    let degrees = degrees.repeat(if is_even { 0 } else { cells.len() });
-    let degrees = (!is_even).then_some(Field {
+    let degrees: Vec<f64> = told.collect();
+    let degrees = uneven.then_some(Field {
         name: DEGREES,
         components: 3,
         values: &degrees,

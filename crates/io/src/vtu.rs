@@ -41,11 +41,23 @@ const HIGHER_DEGREE_VERSION: &str = "2.2";
 
 /// Cells of one kind, whose vertices stand one cell after another.
 struct Cells<'a> {
-    count: usize,
-    corners: usize,
+    /// Numbers of cells, and of vertices of each of them.
+    runs: &'a [(usize, usize)],
     kind: u8,
     /// Returns the vertex at a place among those of all cells.
     vertex: &'a dyn Fn(usize) -> usize,
+}
+
+impl Cells<'_> {
+    fn count(&self) -> usize {
+        self.runs.iter().map(|&(cells, _)| cells).sum()
+    }
+
+    /// Returns the number of vertices of each cell.
+    fn corners(&self) -> impl Iterator<Item = usize> + '_ {
+        let runs = self.runs.iter();
+        runs.flat_map(|&(cells, corners)| std::iter::repeat_n(corners, cells))
+    }
 }
 
 /// Data of vertices or cells: name, components, values.
@@ -54,8 +66,7 @@ type Data<'a> = (&'a str, usize, &'a [f64]);
 /// Writes a surface as triangle cells, its normals and attributes as point data.
 pub(crate) fn write(surface: &Surface<'_>, to: &mut dyn Write) -> io::Result<()> {
     let cells = Cells {
-        count: surface.faces.len(),
-        corners: 3,
+        runs: &[(surface.faces.len(), 3)],
         kind: VTK_TRIANGLE,
         vertex: &|place| surface.faces[place / 3][place % 3] as usize,
     };
@@ -74,8 +85,7 @@ pub(crate) fn write(surface: &Surface<'_>, to: &mut dyn Write) -> io::Result<()>
 /// Writes a solid as cells, with its data.
 pub(crate) fn write_volume(volume: &Volume<'_>, to: &mut dyn Write) -> io::Result<()> {
     let cells = Cells {
-        count: volume.cells.count(),
-        corners: volume.cells.corners(),
+        runs: &[(volume.cells.count(), volume.cells.corners())],
         vertex: &|place| volume.cells.vertices()[place] as usize,
         kind: match volume.cells {
             VolumeCells::Tetrahedra(_) => VTK_TETRAHEDRON,
@@ -95,17 +105,24 @@ pub(crate) fn write_bezier(
     cell_data: &[Field<'_>],
     to: &mut dyn Write,
 ) -> io::Result<()> {
-    let order = cells.vtk_order();
-    let per_cell = order.len();
+    let shape = cells.shape();
+    let (mut runs, mut vertices) = (Vec::new(), Vec::with_capacity(cells.points().len()));
+    for run in cells.runs() {
+        let order = shape.vtk_order(run.degree);
+        for _ in 0..run.cells {
+            let first = vertices.len();
+            vertices.extend(order.iter().map(|place| first + place));
+        }
+        runs.push((run.cells, order.len()));
+    }
     let grid = Cells {
-        count: cells.len(),
-        corners: per_cell,
-        kind: match cells.shape() {
+        runs: &runs,
+        kind: match shape {
             CellShape::Triangles => VTK_BEZIER_TRIANGLE,
             CellShape::Quads => VTK_BEZIER_QUADRILATERAL,
             CellShape::Hexahedra => VTK_BEZIER_HEXAHEDRON,
         },
-        vertex: &|place| place - place % per_cell + order[place % per_cell],
+        vertex: &|place| vertices[place],
     };
     let point_data: Vec<Data<'_>> = point_data.iter().map(as_data).collect();
     let cell_data: Vec<Data<'_>> = cell_data.iter().map(as_data).collect();
@@ -123,7 +140,7 @@ fn write_grid(
     cell_data: &[Data<'_>],
     to: &mut dyn Write,
 ) -> io::Result<()> {
-    let (points, count) = (positions.len(), cells.count);
+    let (points, count) = (positions.len(), cells.count());
     let version = match cells.kind {
         VTK_BEZIER_TRIANGLE | VTK_BEZIER_QUADRILATERAL | VTK_BEZIER_HEXAHEDRON => {
             HIGHER_DEGREE_VERSION
@@ -180,7 +197,7 @@ fn write_points<W: Write>(positions: &[Point3<f64>], xml: &mut Writer<W>) -> io:
 
 fn write_cells<W: Write>(cells: &Cells<'_>, xml: &mut Writer<W>) -> io::Result<()> {
     xml.create_element("Cells").write_inner_content(|xml| {
-        let places = 0..cells.count * cells.corners;
+        let places = 0..cells.corners().sum();
         let vertices = places.map(|place| (cells.vertex)(place) as i64);
         write_array(
             xml,
@@ -189,14 +206,17 @@ fn write_cells<W: Write>(cells: &Cells<'_>, xml: &mut Writer<W>) -> io::Result<(
             1,
             vertices.map(i64::to_le_bytes),
         )?;
-        let ends = (1..=cells.count).map(|cell| (cells.corners * cell) as i64);
+        let ends = cells.corners().scan(0, |end, corners| {
+            *end += corners as i64;
+            Some(*end)
+        });
         write_array(xml, "offsets", "Int64", 1, ends.map(i64::to_le_bytes))?;
         write_array(
             xml,
             "types",
             "UInt8",
             1,
-            (0..cells.count).map(|_| [cells.kind]),
+            (0..cells.count()).map(|_| [cells.kind]),
         )
     })?;
     Ok(())

@@ -34,7 +34,7 @@
 //! use msplines_conformal::{Atlas, AtlasOptions};
 //! use msplines_powell_sabin::{SurfaceOptions, VertexCondition, estimate_normals, fit_surface};
 //!
-//! let atlas = Atlas::of_surface(&shapes::genus(2, 2500), &AtlasOptions::default())?.atlas;
+//! let atlas = Atlas::of_surface(&shapes::genus(2, 2500), &AtlasOptions::default(), &mut unobserved())?.atlas;
 //! let conditions = VertexCondition::of_mesh(atlas.mesh(), &estimate_normals(atlas.mesh())?);
 //! let fit = fit_surface(&atlas, &conditions, &SurfaceOptions::default(), &mut unobserved())?;
 //! let checks = fit.spline.measure(&conditions, 1, 1000);
@@ -55,6 +55,7 @@ mod normals;
 mod options;
 mod spline;
 pub mod surface;
+mod tangent;
 #[cfg(test)]
 mod tests;
 mod triangles;

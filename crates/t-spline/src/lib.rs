@@ -11,12 +11,16 @@
 pub mod blend;
 pub mod caps;
 pub mod complex;
+pub mod domain;
+pub mod fit;
 pub mod space;
 pub mod spline;
 pub mod support;
 pub mod tmesh;
 
 pub use complex::CylinderComplex;
+pub use domain::{Domain, DomainOptions};
+pub use fit::{Fit, FitError, FitOptions, Sample, Stop, fit};
 pub use space::TSplineSpace;
 pub use spline::TSpline;
 pub use tmesh::TMesh;

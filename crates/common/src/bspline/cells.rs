@@ -13,11 +13,45 @@ pub enum CellShape {
     Hexahedra,
 }
 
-/// Bézier cells of one shape and degree.
+impl CellShape {
+    /// Returns the number of control points of a cell of these degrees; those of absent directions are
+    /// ignored.
+    #[must_use]
+    pub fn points_per_cell(self, degree: [usize; 3]) -> usize {
+        let [a, b, c] = degree.map(|degree| degree + 1);
+        match self {
+            Self::Triangles => a * (a + 1) / 2,
+            Self::Quads => a * b,
+            Self::Hexahedra => a * b * c,
+        }
+    }
+
+    /// Returns, for each point of a cell in VTK's order, its place in the order of [`BezierCells`].
+    /// VTK has no cells of degree 0.
+    #[must_use]
+    pub fn vtk_order(self, degree: [usize; 3]) -> Vec<usize> {
+        match (self, degree) {
+            (Self::Triangles, [degree, ..]) => vtk_triangle_order(degree),
+            (Self::Quads, [a, b, _]) => vtk_quad_order([a, b]),
+            (Self::Hexahedra, degree) => vtk_hexahedron_order(degree),
+        }
+    }
+}
+
+/// Cells of one degree, one after another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CellRun {
+    /// Degrees in the directions of the shape.
+    pub degree: [usize; 3],
+    /// How many cells.
+    pub cells: usize,
+}
+
+/// Bézier cells of one shape, in runs of one degree each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BezierCells {
     shape: CellShape,
-    degree: [usize; 3],
+    runs: Vec<CellRun>,
     points: Vec<Point3<f64>>,
     weights: Option<Vec<f64>>,
 }
@@ -42,10 +76,15 @@ pub enum CellsError {
         /// Number of points.
         points: usize,
     },
+    /// Cells that are to be joined differ in more than their degree.
+    #[error(
+        "cells of different shapes, or with weights and without, cannot be joined; keep them apart"
+    )]
+    Unlike,
 }
 
 impl BezierCells {
-    /// Returns cells of the control points of one cell after those of another.
+    /// Returns cells of one degree, of the control points of one cell after those of another.
     ///
     /// In a tensor product the first index varies fastest: point `(i, j, k)` of a cell stands at
     /// `i + (d0 + 1) (j + (d1 + 1) k)`. In a triangle point `(i, j)`, the coefficient of
@@ -59,26 +98,47 @@ impl BezierCells {
         points: Vec<Point3<f64>>,
         weights: Option<Vec<f64>>,
     ) -> Result<Self, CellsError> {
-        let cells = Self {
-            shape,
-            degree,
-            points,
-            weights,
-        };
-        let per_cell = cells.points_per_cell();
-        if !cells.points.len().is_multiple_of(per_cell) {
+        let per_cell = shape.points_per_cell(degree);
+        if !points.len().is_multiple_of(per_cell) {
             return Err(CellsError::Points {
-                points: cells.points.len(),
+                points: points.len(),
                 per_cell,
             });
         }
-        match &cells.weights {
-            Some(weights) if weights.len() != cells.points.len() => Err(CellsError::Weights {
+        if let Some(weights) = weights.as_ref().filter(|w| w.len() != points.len()) {
+            return Err(CellsError::Weights {
                 weights: weights.len(),
-                points: cells.points.len(),
-            }),
-            _ => Ok(cells),
+                points: points.len(),
+            });
         }
+        let cells = points.len() / per_cell;
+        Ok(Self {
+            shape,
+            runs: vec![CellRun { degree, cells }],
+            points,
+            weights,
+        })
+    }
+
+    /// Returns these cells and then others, whose degree may be another one.
+    ///
+    /// # Errors
+    /// Cells of another shape, or weights on one side alone.
+    pub fn joined(mut self, other: Self) -> Result<Self, CellsError> {
+        if self.shape != other.shape || self.weights.is_some() != other.weights.is_some() {
+            return Err(CellsError::Unlike);
+        }
+        self.points.extend(other.points);
+        if let (Some(own), Some(more)) = (&mut self.weights, other.weights) {
+            own.extend(more);
+        }
+        for run in other.runs {
+            match self.runs.last_mut() {
+                Some(last) if last.degree == run.degree => last.cells += run.cells,
+                _ => self.runs.push(run),
+            }
+        }
+        Ok(self)
     }
 
     /// The shape of the cells.
@@ -87,10 +147,19 @@ impl BezierCells {
         self.shape
     }
 
-    /// Degrees in the directions of the shape.
+    /// Runs of cells of one degree, in the order of the cells.
     #[must_use]
-    pub fn degree(&self) -> [usize; 3] {
-        self.degree
+    pub fn runs(&self) -> &[CellRun] {
+        &self.runs
+    }
+
+    /// Degrees in the directions of the shape, if all cells have the same.
+    #[must_use]
+    pub fn degree(&self) -> Option<[usize; 3]> {
+        match self.runs.as_slice() {
+            [run] => Some(run.degree),
+            _ => None,
+        }
     }
 
     /// Control points, one cell after another.
@@ -106,32 +175,10 @@ impl BezierCells {
         self.weights.as_deref()
     }
 
-    /// Control points of one cell.
-    #[must_use]
-    pub fn points_per_cell(&self) -> usize {
-        let [a, b, c] = self.degree.map(|degree| degree + 1);
-        match self.shape {
-            CellShape::Triangles => a * (a + 1) / 2,
-            CellShape::Quads => a * b,
-            CellShape::Hexahedra => a * b * c,
-        }
-    }
-
-    /// Returns, for each point of a cell in VTK's order, its place in the order of the cells here.
-    /// VTK has no cells of degree 0.
-    #[must_use]
-    pub fn vtk_order(&self) -> Vec<usize> {
-        match (self.shape, self.degree) {
-            (CellShape::Triangles, [degree, ..]) => vtk_triangle_order(degree),
-            (CellShape::Quads, [a, b, _]) => vtk_quad_order([a, b]),
-            (CellShape::Hexahedra, degree) => vtk_hexahedron_order(degree),
-        }
-    }
-
     /// Number of cells.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.points.len() / self.points_per_cell()
+        self.runs.iter().map(|run| run.cells).sum()
     }
 
     /// Whether there are no cells.
@@ -361,5 +408,31 @@ mod tests {
                 points: 24
             })
         );
+    }
+
+    #[test]
+    fn joined_cells_keep_their_degrees() {
+        let shape = CellShape::Triangles;
+        let build = |degree: usize, cells: usize, weights: bool| {
+            let points = vec![Point3::origin(); cells * shape.points_per_cell([degree, 0, 0])];
+            let weights = weights.then(|| vec![1.0; points.len()]);
+            BezierCells::build(shape, [degree, 0, 0], points, weights).unwrap()
+        };
+        let cells = build(2, 3, false).joined(build(4, 2, false)).unwrap();
+        assert_eq!((cells.len(), cells.points().len()), (5, 3 * 6 + 2 * 15));
+        assert_eq!(cells.degree(), None);
+        let degrees: Vec<_> = cells
+            .runs()
+            .iter()
+            .map(|r| (r.degree[0], r.cells))
+            .collect();
+        assert_eq!(degrees, [(2, 3), (4, 2)]);
+        let same = build(2, 3, true).joined(build(2, 1, true)).unwrap();
+        assert_eq!((same.degree(), same.len()), (Some([2, 0, 0]), 4));
+        assert_eq!(same.weights().map(<[f64]>::len), Some(24));
+        let unlike = build(2, 1, true).joined(build(2, 1, false));
+        assert_eq!(unlike, Err(CellsError::Unlike));
+        let quads = BezierCells::build(CellShape::Quads, [1, 1, 0], Vec::new(), None).unwrap();
+        assert!(build(2, 1, false).joined(quads).is_err());
     }
 }

@@ -11,8 +11,8 @@ mod uniform;
 
 pub use axis::Axis;
 pub use cells::{
-    BezierCells, CellShape, CellsError, hexahedron_points, vtk_hexahedron_order, vtk_quad_order,
-    vtk_triangle_order,
+    BezierCells, CellRun, CellShape, CellsError, hexahedron_points, vtk_hexahedron_order,
+    vtk_quad_order, vtk_triangle_order,
 };
 pub use uniform::{
     curvatures, from_bezier, greville, locate, refine, refine_axis, slopes, span_restriction,

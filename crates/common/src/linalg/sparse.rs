@@ -110,6 +110,22 @@ impl SymmetricMatrix {
         &self.values
     }
 
+    /// Returns the value of each entry to be changed; both halves must be.
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
+    /// Returns where an entry is stored among [`Self::values`].
+    ///
+    /// # Panics
+    /// If there is no such column.
+    #[must_use]
+    pub fn place(&self, row: u32, column: u32) -> Option<usize> {
+        let range = self.starts[column as usize]..self.starts[column as usize + 1];
+        let at = self.rows[range.clone()].binary_search(&row).ok()?;
+        Some(range.start + at)
+    }
+
     /// Returns the rows and values of one column, which are also those of the row.
     ///
     /// # Panics

@@ -9,7 +9,7 @@ use msplines_common::mesh::{NONE, Topology};
 ///
 /// Its integral around the loop at the end of the path is 1, around the first loop -1, and around
 /// the others 0, the surface on the left.
-pub(super) fn between_loops(topology: &Topology, loops: &[Vec<u32>]) -> Vec<Vec<i32>> {
+pub(crate) fn between_loops(topology: &Topology, loops: &[Vec<u32>]) -> Vec<Vec<i32>> {
     let entered = enter_from(topology, &loops[0]);
     loops[1..]
         .iter()

@@ -3,6 +3,7 @@
 use msplines_common::linalg::{FactorError, OrderingError};
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::operators::intrinsic::IntrinsicError;
+use msplines_common::progress::Stopped;
 
 /// Why a bounded surface has no conformal form.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -58,6 +59,9 @@ pub enum BoundedError {
         /// The level.
         level: f64,
     },
+    /// The observer asked to stop before there was a map.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
     /// No intrinsic triangulation.
     #[error(transparent)]
     Intrinsic(#[from] IntrinsicError),

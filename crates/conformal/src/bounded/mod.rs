@@ -11,17 +11,22 @@ mod puncture;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use cocycle::between_loops;
 pub use error::BoundedError;
 pub use puncture::{PunctureError, puncture};
 
-use msplines_common::linalg::{FactorError, Mat, Ordering, SymmetricMatrix};
+use msplines_common::linalg::{FactorError, Mat, Ordering, SymmetricMatrix, column};
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::operators::intrinsic::{
     FlipRule, IntrinsicTriangulation, intrinsic_delaunay_by,
 };
+use msplines_common::progress::{Observer, Stages};
 
 use crate::extension::{Extension, cotangent_weights, ends, laplacian};
 use crate::measure::{Distortion, measure_flat};
+
+/// Stages that the observer sees: triangulation, ordering, function and conjugate.
+const STAGES: u64 = 4;
 
 /// A closed complex form `du + i dv` on a surface with boundary.
 #[derive(Clone, Debug)]
@@ -79,6 +84,7 @@ impl BoundedForm {
 /// inside; levels between may move zeros to a boundary. `e^(u + iv)`, with `v` scaled to a period
 /// of 2π, maps a surface with two loops to an annulus. Cost: one ordering and two factorisations of
 /// the Laplacian. Equal input gives equal bits on any number of threads.
+/// `observer` sees the phase `domain`.
 ///
 /// # Reference
 /// [He2006]. Deviation: there is no double cover. Forms that the mirror turns round satisfy
@@ -87,19 +93,25 @@ impl BoundedForm {
 ///
 /// # Errors
 /// A mesh that is not one surface of genus 0 with two or more boundary loops; levels that are not
-/// finite, equal, or not one per loop.
+/// finite, equal, or not one per loop; the observer asks to stop.
 pub fn bounded_form(
     mesh: &TriangleMesh,
     levels: &[f64],
     rule: FlipRule,
+    observer: &mut Observer<'_>,
 ) -> Result<BoundedForm, BoundedError> {
     error::check(mesh, levels)?;
+    let mut stages = Stages::new("domain", STAGES, observer);
+    stages.enter()?;
     let triangulation = intrinsic_delaunay_by(mesh, rule)?;
     let weights = cotangent_weights(&triangulation);
     let laplacian = laplacian(mesh.vertex_count(), &triangulation, &weights);
+    stages.enter()?;
     let ordering = Ordering::nested_dissection(&laplacian)?;
     let loops: Vec<Vec<u32>> = mesh.topology().boundary_loops();
+    stages.enter()?;
     let potential = harmonic(mesh, &loops, levels, (&laplacian, &ordering))?;
+    stages.enter()?;
     let flux = |half_edges: &Vec<u32>| -> f64 {
         let vertices = half_edges.iter().map(|&h| mesh.topology().origin(h));
         vertices
@@ -107,9 +119,16 @@ pub fn bounded_form(
             .sum()
     };
     let periods: Vec<f64> = loops[1..].iter().map(flux).collect();
-    let cocycles = cocycle::between_loops(mesh.topology(), &loops);
+    let cocycles = between_loops(mesh.topology(), &loops);
     let jumps = combine(&carry_all(&cocycles, &triangulation), &periods);
-    let conjugate = coclosing(&triangulation, &weights, &jumps, (&laplacian, &ordering))?;
+    // Constants are free: the vertex eliminated last stays at zero.
+    let grounded = ordering.as_slice().last().map_or(0, |&row| row as usize);
+    let free = (0..laplacian.size()).map(|v| v != grounded).collect();
+    let closed = [jumps];
+    let with = (&laplacian, &ordering);
+    let conjugate = coclosing(&triangulation, &weights, &closed, with, free)?;
+    let conjugate = column(conjugate.as_ref(), 0).to_vec();
+    let [jumps] = closed;
     let form = assemble(&triangulation.faces, [&potential, &conjugate], &jumps);
     Ok(BoundedForm {
         distortion: measure_flat(&triangulation.lengths, &form),
@@ -158,30 +177,29 @@ fn harmonic(
     Ok((0..mesh.vertex_count()).map(|v| values[(v, 0)]).collect())
 }
 
-/// Returns the function whose difference makes a closed form co-closed, with natural boundary
-/// conditions.
-///
-/// The form may be any: those around handles are combined with those between loops in the same way.
-fn coclosing(
+/// Returns the functions, one column each, that are zero except at free vertices and whose differences
+/// make closed forms co-closed there: with natural boundary conditions if all but one are free.
+pub(crate) fn coclosing(
     triangulation: &IntrinsicTriangulation,
     weights: &[f64],
-    closed: &[f64],
+    closed: &[Vec<f64>],
     (laplacian, ordering): (&SymmetricMatrix, &Ordering),
-) -> Result<Vec<f64>, FactorError> {
-    let mut divergence = vec![0.0; laplacian.size()];
-    for (h, (&value, &weight)) in (0u32..).zip(closed.iter().zip(weights)) {
-        if h < triangulation.twins[h as usize] {
-            let [a, b] = ends(triangulation, h).map(|v| v as usize);
-            divergence[a] += weight * value;
-            divergence[b] -= weight * value;
+    free: Vec<bool>,
+) -> Result<Mat<f64>, FactorError> {
+    let mut divergence = Mat::zeros(laplacian.size(), closed.len());
+    for (k, form) in closed.iter().enumerate() {
+        for (h, (&value, &weight)) in (0u32..).zip(form.iter().zip(weights)) {
+            if h < triangulation.twins[h as usize] {
+                let [a, b] = ends(triangulation, h).map(|v| v as usize);
+                divergence[(a, k)] += weight * value;
+                divergence[(b, k)] -= weight * value;
+            }
         }
     }
-    // Constants are free: the vertex eliminated last stays at zero.
-    let grounded = ordering.as_slice().last().map_or(0, |&row| row as usize);
-    let free = (0..laplacian.size()).map(|v| v != grounded).collect();
-    let mut values = Mat::zeros(laplacian.size(), 1);
-    Extension::factor(laplacian, ordering, free)?.solve(&mut values, &|row, _| divergence[row]);
-    Ok((0..laplacian.size()).map(|v| values[(v, 0)]).collect())
+    let mut values = Mat::zeros(laplacian.size(), closed.len());
+    Extension::factor(laplacian, ordering, free)?
+        .solve(&mut values, &|row, k| divergence[(row, k)]);
+    Ok(values)
 }
 
 /// Returns the Laplacian of a function at a vertex, summed from differences.

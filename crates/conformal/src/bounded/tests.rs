@@ -2,6 +2,7 @@ use std::f64::consts::TAU;
 
 use msplines_common::mesh::{NONE, double_cover, shapes, zoo};
 use msplines_common::operators::intrinsic::intrinsic_delaunay;
+use msplines_common::progress::unobserved;
 use nalgebra::Point3;
 
 use super::*;
@@ -62,7 +63,8 @@ fn an_annulus_has_the_logarithm() {
     let errors = [6, 12, 24].map(|rings| {
         let mesh = annulus(OUTER, rings);
         let levels = levels_from(&mesh, 0.0, 1.0);
-        let result = bounded_form(&mesh, &levels, FlipRule::Any).expect("a form");
+        let result =
+            bounded_form(&mesh, &levels, FlipRule::Any, &mut unobserved()).expect("a form");
         assert_eq!(result.distortion.flips, 0);
         // u + i v = log z / log OUTER: around the outer loop v grows by 2π / log OUTER.
         let period = result.periods[0];
@@ -93,7 +95,8 @@ fn periods_converge_to_second_order() {
     let errors = [6, 12, 24].map(|rings| {
         let mesh = annulus(2.5, rings);
         let levels = levels_from(&mesh, 0.0, 1.0);
-        let result = bounded_form(&mesh, &levels, FlipRule::Any).expect("a form");
+        let result =
+            bounded_form(&mesh, &levels, FlipRule::Any, &mut unobserved()).expect("a form");
         (result.periods[0].abs() * 2.5_f64.ln() / TAU - 1.0).abs()
     });
     assert!(
@@ -106,7 +109,8 @@ fn periods_converge_to_second_order() {
 fn a_cylinder_is_unrolled() {
     let mesh = shapes::cylinder(300);
     let levels = levels_from(&mesh, 0.0, 1.0);
-    let result = bounded_form(&mesh, &levels, FlipRule::Simplicial).expect("a form");
+    let result =
+        bounded_form(&mesh, &levels, FlipRule::Simplicial, &mut unobserved()).expect("a form");
     let form = result.on_mesh(&mesh);
     // The faceted cylinder is a flat ring: height over 2 is harmonic, exactly.
     let sides = (mesh.topology().boundary_loops()[0].len()) as f64;
@@ -130,7 +134,7 @@ fn a_cylinder_is_unrolled() {
 fn forms_are_closed_and_have_their_periods() {
     let (mesh, _) = puncture(&shapes::bumpy_sphere(2562), &[5, 900, 1800, 2400]).expect("holes");
     let levels = [0.0, 1.0, 1.0, 1.0];
-    let result = bounded_form(&mesh, &levels, FlipRule::Any).expect("a form");
+    let result = bounded_form(&mesh, &levels, FlipRule::Any, &mut unobserved()).expect("a form");
     let on_mesh = result.on_mesh(&mesh);
     for form in [&result.form, &on_mesh] {
         for sides in form.as_chunks::<3>().0 {
@@ -159,7 +163,8 @@ fn zeros_are_two_fewer_than_loops() {
         let (mesh, _) = puncture(&sphere, &holes).expect("holes");
         let mut levels = vec![1.0; holes.len()];
         levels[0] = 0.0;
-        let result = bounded_form(&mesh, &levels, FlipRule::Any).expect("a form");
+        let result =
+            bounded_form(&mesh, &levels, FlipRule::Any, &mut unobserved()).expect("a form");
         let indices = indices(&result, mesh.vertex_count());
         assert_eq!(indices.iter().filter(|&&i| i == -1).count(), zeros);
         assert_eq!(indices.iter().filter(|&&i| i != 0).count(), zeros);
@@ -171,7 +176,7 @@ fn the_double_cover_agrees() {
     // Delaunay as it is, so that the triangulations of the surface and of its cover are equal.
     let mesh = annulus(2.0, 5);
     let levels = levels_from(&mesh, 0.0, 1.0);
-    let result = bounded_form(&mesh, &levels, FlipRule::Any).expect("a form");
+    let result = bounded_form(&mesh, &levels, FlipRule::Any, &mut unobserved()).expect("a form");
     let (cover, copies) = double_cover(&mesh).expect("a cover");
     let on_cover = intrinsic_delaunay(&cover).expect("a triangulation");
     assert_eq!(result.triangulation.flips.len() + on_cover.flips.len(), 0);
@@ -217,7 +222,7 @@ fn threads_do_not_matter() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let run = || {
-            bounded_form(&mesh, &[0.0, 1.0], FlipRule::Any)
+            bounded_form(&mesh, &[0.0, 1.0], FlipRule::Any, &mut unobserved())
                 .expect("a form")
                 .form
         };
@@ -250,7 +255,7 @@ fn what_cannot_be_cut_or_solved_is_refused() {
     let open = zoo::with_boundary();
     assert!(cut(&open, &[0]).contains("touches the boundary at vertex 0"));
     let solve = |mesh: &TriangleMesh, levels: &[f64]| {
-        let refused = bounded_form(mesh, levels, FlipRule::Any);
+        let refused = bounded_form(mesh, levels, FlipRule::Any, &mut unobserved());
         refused.expect_err("refused").to_string()
     };
     assert!(solve(&open, &[0.0]).contains("1 boundary loops"));

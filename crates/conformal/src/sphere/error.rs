@@ -3,6 +3,7 @@
 use msplines_common::linalg::{FactorError, OrderingError};
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::operators::intrinsic::IntrinsicError;
+use msplines_common::progress::Stopped;
 
 /// Why a mesh has no spherical map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -37,6 +38,9 @@ pub enum SphereError {
         /// Number of handles.
         genus: i64,
     },
+    /// The observer asked to stop before there was a map.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
     /// No intrinsic triangulation.
     #[error(transparent)]
     Intrinsic(#[from] IntrinsicError),

@@ -17,6 +17,7 @@ use msplines_common::mesh::TriangleMesh;
 use msplines_common::operators::intrinsic::{
     FlipRule, IntrinsicTriangulation, intrinsic_delaunay_by,
 };
+use msplines_common::progress::{Observer, Stages};
 use nalgebra::Vector3;
 
 use crate::extension::{bound_below, cotangent_weights, laplacian};
@@ -27,6 +28,10 @@ use crate::untangle::untangle_sphere;
 /// Edge weights are at least this, relative to the median: positive weights make the plane map
 /// one-to-one, and a bound away from zero keeps that true after rounding.
 const WEIGHT_FLOOR: f64 = 1e-7;
+
+/// Stages that the observer sees: triangulation, ordering, harmonic map, two charts factored, each of
+/// their sweeps, and the movement of single vertices.
+const STAGES: u64 = 5 + plane::SWEEPS as u64;
 
 /// A one-to-one map of the vertices of a closed surface onto the unit sphere.
 #[derive(Clone, Debug)]
@@ -75,13 +80,21 @@ impl SphericalMap {
 /// stretched triangles move to where these are least stretched.
 ///
 /// # Errors
-/// A mesh that is not one closed surface of genus 0, and one on which triangles stay turned over.
-pub fn spherical_map(mesh: &TriangleMesh, rule: FlipRule) -> Result<SphericalMap, SphereError> {
+/// A mesh that is not one closed surface of genus 0, and one on which triangles stay turned over;
+/// the observer asks to stop.
+pub fn spherical_map(
+    mesh: &TriangleMesh,
+    rule: FlipRule,
+    observer: &mut Observer<'_>,
+) -> Result<SphericalMap, SphereError> {
     error::check(mesh)?;
+    let mut stages = Stages::new("domain", STAGES, observer);
+    stages.enter()?;
     let triangulation = intrinsic_delaunay_by(mesh, rule)?;
     let mut weights = cotangent_weights(&triangulation);
     bound_below(&mut weights, WEIGHT_FLOOR);
     let laplacian = laplacian(mesh.vertex_count(), &triangulation, &weights);
+    stages.enter()?;
     let ordering = Ordering::nested_dissection(&laplacian)?;
     let areas = vertex_areas(mesh.vertex_count(), &triangulation);
     let chart = plane::Chart {
@@ -90,9 +103,11 @@ pub fn spherical_map(mesh: &TriangleMesh, rule: FlipRule) -> Result<SphericalMap
         triangulation: &triangulation,
         areas: &areas,
     };
+    stages.enter()?;
     let z = chart.outside_a_triangle()?;
     let mut corrected = true;
-    let mut points = chart.corrected(&z)?;
+    let mut points = chart.corrected(&z, &mut stages)?;
+    stages.enter()?;
     let mut moved = settle(&mut points, &areas, &triangulation);
     if check_one_to_one(&triangulation.faces, &points).is_err() {
         corrected = false;

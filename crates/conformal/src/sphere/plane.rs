@@ -5,14 +5,16 @@
 
 use msplines_common::linalg::{FactorError, Mat, Ordering, SymmetricMatrix};
 use msplines_common::operators::intrinsic::IntrinsicTriangulation;
+use msplines_common::progress::Stages;
 use nalgebra::Vector3;
 
+use super::error::SphereError;
 use crate::extension::Extension;
 use crate::measure::area;
 
 /// Corrections of both charts. The third changes values by less than a thousandth; from then on
 /// the map only drifts by Möbius maps.
-const SWEEPS: usize = 3;
+pub(super) const SWEEPS: usize = 3;
 
 /// Each chart is free up to this modulus of its own coordinate, so that they overlap.
 const OVERLAP: f64 = 1.6;
@@ -34,7 +36,12 @@ pub(super) struct Chart<'a> {
 
 impl Chart<'_> {
     /// Returns the image of each vertex on the unit sphere, after both charts were corrected.
-    pub(super) fn corrected(&self, z: &Mat<f64>) -> Result<Vec<Vector3<f64>>, FactorError> {
+    pub(super) fn corrected(
+        &self,
+        z: &Mat<f64>,
+        stages: &mut Stages<'_, '_>,
+    ) -> Result<Vec<Vector3<f64>>, SphereError> {
+        stages.enter()?;
         let mut z = z.clone();
         self.centre(&mut z);
         let modulus: Vec<f64> = (0..z.nrows()).map(|v| z[(v, 0)].hypot(z[(v, 1)])).collect();
@@ -44,6 +51,7 @@ impl Chart<'_> {
         let inside = Extension::factor(self.laplacian, self.ordering, inner.clone())?;
         let mut y = Mat::zeros(z.nrows(), 2);
         for _ in 0..SWEEPS {
+            stages.enter()?;
             invert_where(&z, &inner, &mut y);
             outside.extend(&mut y);
             invert_where(&y, &outer, &mut z);

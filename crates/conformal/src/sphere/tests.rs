@@ -1,4 +1,5 @@
 use msplines_common::mesh::{shapes, zoo};
+use msplines_common::progress::unobserved;
 use nalgebra::{Matrix3, Point3};
 
 use super::*;
@@ -7,7 +8,7 @@ use super::*;
 const ROUNDING: f64 = 1e-9;
 
 fn map(mesh: &TriangleMesh) -> SphericalMap {
-    spherical_map(mesh, FlipRule::Simplicial).expect("a spherical map")
+    spherical_map(mesh, FlipRule::Simplicial, &mut unobserved()).expect("a spherical map")
 }
 
 /// Returns the largest distance of two sets of points after the best rotation.
@@ -144,7 +145,7 @@ fn turned_triangles_are_turned_back() {
 #[test]
 fn what_is_no_sphere_is_refused() {
     let error = |mesh: &TriangleMesh| {
-        let refused = spherical_map(mesh, FlipRule::Any);
+        let refused = spherical_map(mesh, FlipRule::Any, &mut unobserved());
         refused.expect_err("no sphere").to_string()
     };
     assert!(error(&zoo::genus(1)).contains("genus 1"));

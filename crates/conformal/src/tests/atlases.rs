@@ -1,6 +1,7 @@
 //! Atlases: zeros, holes, and the kinds of surfaces.
 
 use msplines_common::mesh::{TriangleMesh, shapes, zoo};
+use msplines_common::progress::unobserved;
 
 use super::shapes::hexagon;
 use crate::{Atlas, AtlasOptions, FormChoice, Structure};
@@ -44,7 +45,7 @@ fn zeros_of_any_order_are_found_where_they_are() {
 fn closed_surfaces_have_2g_minus_2_zeros_and_nothing_folded() {
     for genus in [1, 2, 3, 6] {
         let mesh = shapes::genus(genus, 700 * genus as usize);
-        let found = Atlas::of_surface(&mesh, &AtlasOptions::default()).unwrap();
+        let found = Atlas::of_surface(&mesh, &AtlasOptions::default(), &mut unobserved()).unwrap();
         let report = &found.report;
         assert_eq!(
             (report.genus, report.zeros, report.flips),
@@ -68,7 +69,7 @@ fn closed_surfaces_have_2g_minus_2_zeros_and_nothing_folded() {
 #[test]
 fn a_mesh_too_coarse_for_its_handles_is_refined_and_says_so() {
     let mesh = shapes::genus(12, 150 * 12);
-    let found = Atlas::of_surface(&mesh, &AtlasOptions::default()).unwrap();
+    let found = Atlas::of_surface(&mesh, &AtlasOptions::default(), &mut unobserved()).unwrap();
     assert_eq!((found.report.zeros, found.report.flips), (22, 0));
     let added = found.atlas.mesh().vertex_count() - mesh.vertex_count();
     assert_eq!(found.report.added_vertices, added);
@@ -86,7 +87,9 @@ fn a_mesh_too_coarse_for_its_handles_is_refined_and_says_so() {
 
 #[test]
 fn every_kind_of_surface_has_its_atlas() {
-    let of = |mesh: &TriangleMesh| Atlas::of_surface(mesh, &AtlasOptions::default()).unwrap();
+    let of = |mesh: &TriangleMesh| {
+        Atlas::of_surface(mesh, &AtlasOptions::default(), &mut unobserved()).unwrap()
+    };
     let sphere = of(&zoo::closed());
     let Structure::Sphere { pole } = sphere.structure else {
         panic!("a sphere")
@@ -113,7 +116,7 @@ fn punctures_open_a_surface_and_keep_its_names() {
         puncture: vec![5, 300],
         ..AtlasOptions::default()
     };
-    let found = Atlas::of_surface(&sphere, &options).unwrap();
+    let found = Atlas::of_surface(&sphere, &options, &mut unobserved()).unwrap();
     assert!(matches!(found.structure, Structure::Bounded { .. }));
     for (v, origin) in found.origins.iter().enumerate() {
         let origin = origin.unwrap();
@@ -131,7 +134,7 @@ fn handles_with_a_boundary_have_the_zeros_of_the_filled_surface() {
         form: FormChoice::default(),
         puncture: vec![10, 400],
     };
-    let found = Atlas::of_surface(&shapes::genus(2, 1200), &options).unwrap();
+    let found = Atlas::of_surface(&shapes::genus(2, 1200), &options, &mut unobserved()).unwrap();
     assert!(matches!(found.structure, Structure::Filled { cones: 2 }));
     let report = &found.report;
     assert_eq!((report.genus, report.zeros, report.flips), (2, 2, 0));

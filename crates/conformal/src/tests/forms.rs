@@ -1,6 +1,7 @@
 //! Harmonic and holomorphic forms of closed surfaces.
 
 use msplines_common::mesh::{TriangleMesh, shapes, zoo};
+use msplines_common::progress::unobserved;
 use nalgebra::{DMatrix, DVector, Point3};
 
 use crate::{ConformalError, FormChoice, HolomorphicBasis, Homology};
@@ -44,7 +45,7 @@ fn there_are_2g_integer_forms_closed_and_dual_to_loops() {
 #[test]
 fn forms_are_closed_and_have_the_periods_of_their_classes() {
     let mesh = zoo::genus(3);
-    let basis = HolomorphicBasis::build(&mesh).unwrap();
+    let basis = HolomorphicBasis::build(&mesh, &mut unobserved()).unwrap();
     assert!(basis.co_closedness < 1e-9, "{}", basis.co_closedness);
     let real = DVector::from_fn(6, |k, _| 0.3 + k as f64);
     let form = basis.form([&real, &basis.conjugate(&real)]);
@@ -60,7 +61,7 @@ fn forms_are_closed_and_have_the_periods_of_their_classes() {
 #[test]
 fn conjugation_turns_by_a_right_angle_better_on_finer_meshes() {
     let defects = [2400, 9600].map(|n| {
-        let basis = HolomorphicBasis::build(&shapes::genus(2, n)).unwrap();
+        let basis = HolomorphicBasis::build(&shapes::genus(2, n), &mut unobserved()).unwrap();
         let (gram, c) = (basis.gram(), basis.conjugation());
         assert!((c * c + DMatrix::identity(4, 4)).norm() < 1e-13);
         // The inner product is preserved by conjugation as far as the form is holomorphic.
@@ -76,7 +77,7 @@ fn conjugation_turns_by_a_right_angle_better_on_finer_meshes() {
 #[test]
 fn given_coefficients_and_periods_are_kept() {
     let mesh = zoo::genus(2);
-    let basis = HolomorphicBasis::build(&mesh).unwrap();
+    let basis = HolomorphicBasis::build(&mesh, &mut unobserved()).unwrap();
     let given = vec![1.0, -0.5, 0.25, 2.0];
     let [found] = &FormChoice::Coefficients(given.clone())
         .candidates(&basis)
@@ -118,7 +119,7 @@ fn given_coefficients_and_periods_are_kept() {
 
 #[test]
 fn the_optimal_form_is_more_even_than_others_and_integer_ones_come_near() {
-    let basis = HolomorphicBasis::build(&shapes::genus(3, 2400)).unwrap();
+    let basis = HolomorphicBasis::build(&shapes::genus(3, 2400), &mut unobserved()).unwrap();
     let best = FormChoice::default().candidates(&basis).unwrap().remove(0);
     let mut single = vec![0.0; 6];
     single[0] = 1.0;
@@ -148,7 +149,7 @@ fn forms_have_the_same_bits_on_any_number_of_threads() {
             .build()
             .unwrap();
         pool.install(|| {
-            let basis = HolomorphicBasis::build(&mesh).unwrap();
+            let basis = HolomorphicBasis::build(&mesh, &mut unobserved()).unwrap();
             let form = FormChoice::default().candidates(&basis).unwrap().remove(0);
             basis.form([&form.real, &form.imaginary])
         })
@@ -158,10 +159,10 @@ fn forms_have_the_same_bits_on_any_number_of_threads() {
 
 #[test]
 fn what_has_no_form_is_refused_by_name() {
-    let error = HolomorphicBasis::build(&shapes::sphere(200)).unwrap_err();
+    let error = HolomorphicBasis::build(&shapes::sphere(200), &mut unobserved()).unwrap_err();
     assert_eq!(error, ConformalError::NoForm);
     assert!(error.to_string().contains("--puncture"));
-    let error = HolomorphicBasis::build(&shapes::cylinder(200)).unwrap_err();
+    let error = HolomorphicBasis::build(&shapes::cylinder(200), &mut unobserved()).unwrap_err();
     assert!(matches!(error, ConformalError::Boundary { loops: 2, .. }));
     let torus = shapes::torus(2.0, 0.7, 400);
     let count = torus.vertex_count() as u32;
@@ -169,9 +170,9 @@ fn what_has_no_form_is_refused_by_name() {
     let moved = torus.faces().iter().map(|f| f.map(|v| v + count));
     let faces = torus.faces().iter().copied().chain(moved).collect();
     let double = TriangleMesh::build(positions, faces).unwrap();
-    let error = HolomorphicBasis::build(&double).unwrap_err();
+    let error = HolomorphicBasis::build(&double, &mut unobserved()).unwrap_err();
     assert_eq!(error, ConformalError::NotConnected { components: 2 });
-    let basis = HolomorphicBasis::build(&torus).unwrap();
+    let basis = HolomorphicBasis::build(&torus, &mut unobserved()).unwrap();
     let count = FormChoice::Coefficients(vec![1.0])
         .candidates(&basis)
         .unwrap_err();
@@ -189,5 +190,5 @@ fn what_has_no_form_is_refused_by_name() {
     assert_eq!(zero, ConformalError::ZeroForm);
     let mut positions = torus.positions().to_vec();
     positions[7] = Point3::new(f64::NAN, 0.0, 0.0);
-    assert!(HolomorphicBasis::build(&torus.with_positions(positions)).is_err());
+    assert!(HolomorphicBasis::build(&torus.with_positions(positions), &mut unobserved()).is_err());
 }

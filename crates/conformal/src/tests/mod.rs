@@ -4,4 +4,6 @@ mod atlases;
 mod forms;
 mod limbs;
 mod shapes;
+pub(crate) use shapes::{with_finger, with_spike};
+mod stopping;
 mod tori;

@@ -66,7 +66,7 @@ pub(super) fn length_and_area(
 }
 
 /// A torus with a finger: the star of a vertex is pulled out into a tube of `rings` rings.
-pub(super) fn with_finger(rings: u32) -> TriangleMesh {
+pub(crate) fn with_finger(rings: u32) -> TriangleMesh {
     let torus = shapes::torus(2.0, 0.8, 600);
     let topology = torus.topology();
     let root = 100;
@@ -104,6 +104,37 @@ pub(super) fn with_finger(rings: u32) -> TriangleMesh {
     for i in 0..rim.len() {
         faces.push([rim[i], rim[(i + 1) % rim.len()], root]);
     }
+    TriangleMesh::build(positions, faces).unwrap()
+}
+
+/// A torus with a spike: a face is pulled out into a tube of `rings` rings of three vertices, each ring so
+/// much smaller than the one before.
+pub(crate) fn with_spike(rings: u32, taper: f64) -> TriangleMesh {
+    let torus = shapes::torus(2.0, 0.8, 600);
+    let root = 100;
+    let mut positions = torus.positions().to_vec();
+    let mut faces = torus.faces().to_vec();
+    let mut rim = faces.swap_remove(root as usize);
+    let normal = torus.face_normal(root).normalize();
+    let mut size = (positions[rim[1] as usize] - positions[rim[0] as usize]).norm();
+    for _ in 0..rings {
+        let next = [0, 1, 2].map(|i| positions.len() as u32 + i);
+        let sum = rim.iter().fold(Vector3::zeros(), |sum, &v| {
+            sum + positions[v as usize].coords
+        });
+        let middle = Point3::from(sum / 3.0);
+        for v in rim {
+            let out = positions[v as usize] - middle;
+            positions.push(middle + out * taper + normal * size);
+        }
+        for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+            faces.push([rim[i], rim[j], next[j]]);
+            faces.push([rim[i], next[j], next[i]]);
+        }
+        size *= taper;
+        rim = next;
+    }
+    faces.push(rim);
     TriangleMesh::build(positions, faces).unwrap()
 }
 

@@ -1,13 +1,14 @@
 //! Moduli of tori.
 
 use msplines_common::mesh::TriangleMesh;
+use msplines_common::progress::unobserved;
 
 use super::shapes::{hopf, length_and_area, revolution};
 use crate::{Atlas, FormChoice, Lattice};
 
 /// The modulus of a torus by its form.
 fn modulus(mesh: &TriangleMesh) -> [f64; 2] {
-    let found = Atlas::closed(mesh, &FormChoice::default()).unwrap();
+    let found = Atlas::closed(mesh, &FormChoice::default(), &mut unobserved()).unwrap();
     assert_eq!(
         (found.atlas.folded_faces(), found.atlas.zeros().len()),
         (0, 0)

@@ -84,6 +84,30 @@ fn degrees_that_differ_are_told() {
 }
 
 #[test]
+fn triangles_of_different_degrees_are_one_grid() {
+    let build = |degree: usize, count: usize| {
+        BezierCells::build(CellShape::Triangles, [degree, 0, 0], points(count), None).unwrap()
+    };
+    let cells = build(2, 6).joined(build(3, 20)).unwrap();
+    let (_directory, path) = scratch("a.vtu");
+    let faces = field("face", &[4.0, 5.0, 6.0]);
+    write_cells(&path, &cells, &[], &[faces]).unwrap();
+    let file = std::fs::read(&path).unwrap();
+    let (_, arrays) = parse(&file);
+    assert_eq!(integers(find(&arrays, "offsets")), [6, 16, 26]);
+    assert_eq!(find(&arrays, "types"), [76; 3]);
+    // Corners, edges along their way, the point inside, after those of the cells before.
+    let cubic = [0, 3, 9, 1, 2, 6, 8, 7, 4, 5];
+    let rows = [6, 16].map(|first| cubic.map(|place| first + place));
+    let connectivity: Vec<i64> = [0, 2, 5, 1, 4, 3]
+        .into_iter()
+        .chain(rows.concat())
+        .collect();
+    assert_eq!(integers(find(&arrays, "connectivity")), connectivity);
+    assert!(arrays.iter().all(|a| a.name != "HigherOrderDegrees"));
+}
+
+#[test]
 fn unfit_cells_are_not_written() {
     let shape = CellShape::Triangles;
     let build = |degree, points, weights| {

@@ -17,7 +17,8 @@ pub use insert::{NewVertex, Target};
 use crate::error::EditError;
 use crate::fit::{Fit, VertexCondition, fit, tangents, unit};
 use crate::options::Options;
-use crate::spline::{PowellSabinSpline, unit_normal};
+use crate::spline::PowellSabinSpline;
+use crate::tangent::{kept_across, unit_normal};
 
 impl PowellSabinSpline {
     /// Returns the surface with another normal at a vertex: its derivatives are turned by the smallest
@@ -107,7 +108,8 @@ fn flat([u, v]: [Vector3<f64>; 2]) -> [f64; 6] {
 }
 
 fn tangent_normal(gradient: [Vector3<f64>; 2]) -> Option<Vector3<f64>> {
-    unit_normal(&flat(gradient))
+    let [u, v] = gradient;
+    unit_normal(&u, &v)
 }
 
 /// Returns derivatives turned into the plane of a normal.
@@ -123,10 +125,11 @@ fn turned(
         let axis = Unit::new_normalize(tangents(&old)[0]);
         Rotation3::from_axis_angle(&axis, std::f64::consts::PI)
     });
-    Ok(gradient.map(|g| {
+    let turned = gradient.map(|g| {
         let turned = rotation * g;
         turned - new * new.dot(&turned)
-    }))
+    });
+    Ok(kept_across(turned, &new))
 }
 
 /// Whether a point can be computed with.

@@ -5,6 +5,7 @@ use msplines_common::{Point3, Vector3};
 
 use crate::domain::FlatDomain;
 use crate::error::FitError;
+use crate::tangent::kept_across;
 
 /// Largest coordinate whose square is still a number with room to spare.
 const LARGEST: f64 = 1e140;
@@ -56,6 +57,16 @@ impl VertexCondition {
             | Self::Position { position }
             | Self::Fixed { position, .. } => Some(position),
             Self::Free => None,
+        }
+    }
+
+    /// Returns a gradient, rounded such that it keeps the normal, where there is one.
+    pub(crate) fn kept(&self, gradient: [Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
+        match self {
+            Self::Interpolate { normal, .. } => {
+                unit(normal).map_or(gradient, |normal| kept_across(gradient, &normal))
+            }
+            _ => gradient,
         }
     }
 

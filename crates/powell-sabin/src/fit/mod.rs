@@ -5,6 +5,7 @@ mod orientation;
 mod stiffness;
 mod system;
 
+use msplines_common::Vector3;
 use msplines_common::progress::{Observer, Outcome, Progress};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -129,7 +130,7 @@ pub fn fit(
     // The work is done: a break has nothing left to interrupt.
     let _ = observer(&Progress::new("fit", 2, 2));
     report.finish(domain, data, &unknowns, &x);
-    let spline = spline(domain, &unknowns, &x)?;
+    let spline = spline(domain, data, &unknowns, &x)?;
     Ok(Fit { spline, report })
 }
 
@@ -179,6 +180,7 @@ fn check_weights(options: &Options) -> Result<(), FitError> {
 
 fn spline(
     domain: &FlatDomain,
+    data: &[VertexCondition],
     unknowns: &Unknowns,
     x: &[f64],
 ) -> Result<PowellSabinSpline, FitError> {
@@ -188,7 +190,8 @@ fn spline(
     for vertex in 0..count as u32 {
         let [value, by_u, by_v] = unknowns.numbers(vertex, x);
         values.extend(value);
-        gradients.extend(by_u.into_iter().chain(by_v));
+        let gradient = data[vertex as usize].kept([by_u, by_v].map(Vector3::from));
+        gradients.extend(gradient.into_iter().flat_map(<[f64; 3]>::from));
     }
     Ok(PowellSabinSpline::from_parts(
         domain.clone(),

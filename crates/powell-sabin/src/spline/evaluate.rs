@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::PowellSabinSpline;
 use crate::element::{gradient, value};
 use crate::error::SplineError;
+use crate::tangent;
 
 /// How far barycentric coordinates may leave their triangle by rounding.
 const BARYCENTRIC_TOLERANCE: f64 = 1e-9;
@@ -191,11 +192,9 @@ pub(crate) fn check_frames(
 }
 
 /// Returns the unit normal of six derivatives `[u, v][component]`, if they span a plane.
-pub(crate) fn unit_normal(first: &[f64]) -> Option<Vector3<f64>> {
+fn unit_normal(first: &[f64]) -> Option<Vector3<f64>> {
     let [u, v] = [0, 3].map(|at| Vector3::from_column_slice(&first[at..at + 3]));
-    // Each is scaled first: the lengths of short ones would underflow in the product.
-    let [u, v] = [u.try_normalize(0.0)?, v.try_normalize(0.0)?];
-    u.cross(&v).try_normalize(f64::EPSILON)
+    tangent::unit_normal(&u, &v)
 }
 
 impl Jet {

@@ -107,9 +107,21 @@ pub enum SurfaceWarning {
         /// First vertex of the zero.
         vertex: u32,
     },
+    /// Faces over which the surface turns over.
+    #[error(
+        "the surface folds over {count} faces, first at vertices {first:?}; check the normals there, or refine the mesh",
+        count = faces.len(),
+        first = &vertices[..vertices.len().min(8)]
+    )]
+    Folded {
+        /// The faces.
+        faces: Vec<u32>,
+        /// Their vertices, ascending.
+        vertices: Vec<u32>,
+    },
     /// A minimal surface that stopped early.
     #[error(
-        "the minimal surface around vertex {vertex} was stopped before it settled, with the area {area:e}, because it began to fold or went on shrinking"
+        "the minimal surface around vertex {vertex} was stopped before it settled, with the area {area:e}, because its cells began to fold or it went on shrinking"
     )]
     MinimalUnsettled {
         /// First vertex of the zero.

@@ -9,6 +9,7 @@ use super::PowellSabinSurface;
 use super::hole::Cap;
 use super::jet::{Jet, scalar_jet, spline_jet};
 use crate::spline::{POINTS_PER_TASK, check_frames, check_points, flat_by_frame};
+use crate::tangent::unit_normal;
 
 impl PowellSabinSurface {
     /// Returns the exact unit normal at points, as [`PowellSabinSpline::normals`] does.
@@ -31,11 +32,32 @@ impl PowellSabinSurface {
         points.par_iter().map(normal).collect()
     }
 
-    /// Returns the normal of a jet; that of the face where it has none.
+    /// Returns the normal of a jet; that of the face where it has none. At vertices it is that of the
+    /// control triangle, which maps between charts do not round.
     pub(super) fn normal(&self, point: &SurfacePoint, jet: &Jet) -> Vector3<f64> {
         let facet = || self.mesh.face_normal(point.face);
-        jet.normal()
+        let corner = point.at.iter().position(|&weight| weight == 1.0);
+        corner
+            .and_then(|corner| self.corner_normal(point.face, corner))
+            .or_else(|| jet.normal())
             .unwrap_or_else(|| facet().try_normalize(0.0).unwrap_or_default())
+    }
+
+    /// Returns the normal at a corner of a face that is not on a minimal cap.
+    fn corner_normal(&self, face: u32, corner: usize) -> Option<Vector3<f64>> {
+        let vertex = self.mesh.faces()[face as usize][corner];
+        let smooth = |number: u32| match self.holes.get(number as usize)?.cap() {
+            Cap::Smooth(cap) => cap.vertex_normal(vertex),
+            _ => None,
+        };
+        let Some(regular) = self.plain_face(face) else {
+            return smooth(self.hole_of_face[face as usize]);
+        };
+        smooth(self.rim_of_vertex[vertex as usize]).or_else(|| {
+            let place = self.regular.flat_domain().mesh().faces()[regular as usize][corner];
+            let [u, v] = self.regular.vertex_gradient(place);
+            unit_normal(&u, &v)
+        })
     }
 
     /// Checks that the surface is defined at points.

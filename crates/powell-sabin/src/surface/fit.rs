@@ -112,14 +112,28 @@ pub fn fit_surface(
     let own = regular.report.warnings.iter().cloned();
     warnings.extend(own.map(|w| SurfaceWarning::Regular(w.renamed(&part.vertices))));
     let form = atlas.form().to_vec();
+    let spline = PowellSabinSurface::assemble(mesh.clone(), form, regular.spline, part, holes);
+    warnings.extend(folds(&spline));
     Ok(SurfaceFit {
-        spline: PowellSabinSurface::assemble(mesh.clone(), form, regular.spline, part, holes),
+        spline,
         report: SurfaceReport {
             regular: regular.report,
             holes: holes_report,
             warnings,
         },
     })
+}
+
+/// Says where a surface turns over.
+fn folds(spline: &PowellSabinSurface) -> Option<SurfaceWarning> {
+    let faces = spline.folded_faces();
+    let corners = faces
+        .iter()
+        .flat_map(|&f| spline.mesh().faces()[f as usize]);
+    let mut vertices: Vec<u32> = corners.collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    (!faces.is_empty()).then_some(SurfaceWarning::Folded { faces, vertices })
 }
 
 fn check(atlas: &Atlas, conditions: &[VertexCondition]) -> Result<(), SurfaceError> {

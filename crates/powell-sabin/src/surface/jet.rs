@@ -9,7 +9,8 @@ use msplines_common::evaluate::Order;
 use nalgebra::Complex;
 
 use crate::element::{MacroTriangle, gradient, value};
-use crate::spline::{PowellSabinSpline, unit_normal};
+use crate::spline::PowellSabinSpline;
+use crate::tangent::unit_normal;
 
 /// A point of a surface and its derivatives; those above the order asked for are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -88,7 +89,7 @@ impl Jet {
     /// Returns the unit normal, if the derivatives span a plane.
     pub(super) fn normal(&self) -> Option<Vector3<f64>> {
         let [u, v] = self.first;
-        unit_normal(&[u.x, u.y, u.z, v.x, v.y, v.z])
+        unit_normal(&u, &v)
     }
 
     /// The second derivative along two directions.

@@ -22,11 +22,13 @@
 //! [He2005] §3.2, §3.3. Deviation: the paper fills holes by minimal surfaces, which are C0 at the rim
 //! and pass through no vertex inside; these are [`Fill::Minimal`].
 
+mod approximate;
 mod cells;
 mod chart;
 mod error;
 mod evaluate;
 mod fit;
+mod folds;
 mod hole;
 mod jet;
 mod measure;

@@ -1,5 +1,6 @@
 //! Smooth caps: a spline over the chart of a zero, blended with the surface around.
 
+use msplines_common::Vector3;
 use msplines_common::evaluate::Order;
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::progress::unobserved;
@@ -14,7 +15,8 @@ use super::parts::{CapParts, rows, spline};
 use crate::domain::FlatDomain;
 use crate::element::{MacroTriangle, ORDINATES};
 use crate::fit::{Report, VertexCondition, fit};
-use crate::spline::{PowellSabinSpline, unit_normal};
+use crate::spline::PowellSabinSpline;
+use crate::tangent::unit_normal;
 
 /// How far charts go, in the order in which they are tried. One ring around the hole is covered where
 /// that is possible, because the sides of the hole itself pass by the zero at their own length, and bend
@@ -140,7 +142,7 @@ impl SmoothCap {
                 self.chart.outside(local, at)
             };
             let face = mesh.face_normal(self.chart.part.faces[local as usize]);
-            let normal = self.composed(local, &map, Order::First).normal();
+            let normal = self.composed(local, at, &map, Order::First).normal();
             normal.is_some_and(|normal| normal.dot(&face) < 0.0)
         };
         let faces = shown.enumerate().filter(|(_, shown)| *shown);
@@ -169,9 +171,10 @@ impl SmoothCap {
             };
             let [x, y] = around.regular.vertex_gradient(regular);
             let slope = chart.slope(local as u32);
+            let gradient = [slope.re * x + slope.im * y, slope.re * y - slope.im * x];
             VertexCondition::Fixed {
                 position: around.regular.vertex_position(regular),
-                gradient: [slope.re * x + slope.im * y, slope.re * y - slope.im * x],
+                gradient: around.conditions[vertex as usize].kept(gradient),
             }
         };
         let conditions: Vec<_> = chart
@@ -292,20 +295,31 @@ impl SmoothCap {
     /// Returns the cap at a point of the hole, by the second and third barycentric coordinate.
     pub(super) fn inside(&self, face: u32, at: [f64; 3], order: Order) -> Jet {
         let local = self.local(face);
-        self.composed(local, &self.chart.inside(local, at), order)
+        self.composed(local, at, &self.chart.inside(local, at), order)
+    }
+
+    /// Returns the normal at a vertex of the chart, by the flat coordinates of the chart.
+    pub(super) fn vertex_normal(&self, vertex: u32) -> Option<Vector3<f64>> {
+        let [u, v] = self.spline.vertex_gradient(self.chart.part.vertex(vertex)?);
+        unit_normal(&u, &v)
     }
 
     /// Returns the cap at a point outside of the hole, by the flat coordinates of the form.
     pub(super) fn beside(&self, face: u32, at: [f64; 3], order: Order) -> Jet {
         let local = self.local(face);
-        self.composed(local, &self.chart.outside(local, at), order)
+        self.composed(local, at, &self.chart.outside(local, at), order)
     }
 
     fn local(&self, face: u32) -> u32 {
         self.chart.part.face(face).expect("a face of the chart")
     }
 
-    fn composed(&self, face: u32, map: &PlaneJet, order: Order) -> Jet {
+    /// Returns the spline after a map of a face, at whose point `at` it was taken.
+    fn composed(&self, face: u32, at: [f64; 3], map: &PlaneJet, order: Order) -> Jet {
+        // Corners are themselves, without the rounding of a search.
+        if at.contains(&1.0) {
+            return spline_jet(&self.spline, face, at, order).after(map);
+        }
         let place = self.chart.locate(face, map.value);
         spline_jet(&self.spline, place.face, place.at, order).after(map)
     }
@@ -316,7 +330,7 @@ fn without_gradient(condition: VertexCondition) -> VertexCondition {
     match condition {
         VertexCondition::Fixed { position, gradient } => {
             let [u, v] = gradient;
-            match unit_normal(&[u.x, u.y, u.z, v.x, v.y, v.z]) {
+            match unit_normal(&u, &v) {
                 Some(normal) => VertexCondition::Interpolate { position, normal },
                 None => VertexCondition::Position { position },
             }

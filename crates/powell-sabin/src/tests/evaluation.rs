@@ -105,8 +105,8 @@ fn cells_are_the_surface() {
     let spline = exact_torus(4);
     let cells = spline.bezier_cells().expect("cells");
     assert_eq!(
-        (cells.shape(), cells.degree()[0]),
-        (CellShape::Triangles, 2)
+        (cells.shape(), cells.degree()),
+        (CellShape::Triangles, Some([2, 0, 0]))
     );
     assert_eq!(cells.len(), 6 * spline.flat_domain().mesh().face_count());
     for point in points(spline.flat_domain(), 3, 8) {

@@ -6,7 +6,7 @@ mod editing;
 mod evaluation;
 mod fitting;
 mod planar;
-mod surfaces;
+pub(crate) mod surfaces;
 
 use msplines_common::Point3;
 use msplines_common::evaluate::Order;

@@ -157,6 +157,11 @@ impl TSplineSpace {
         found
     }
 
+    /// Returns the functions that meet a leaf, ascending, one as often as it has images there.
+    pub(crate) fn functions_on(&self, leaf: u32) -> impl Iterator<Item = u32> + '_ {
+        self.entries(leaf).iter().map(|entry| entry.function)
+    }
+
     fn entries(&self, leaf: u32) -> &[Entry] {
         let leaf = leaf as usize;
         &self.entries[self.starts[leaf] as usize..self.starts[leaf + 1] as usize]

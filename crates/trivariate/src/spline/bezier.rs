@@ -50,7 +50,7 @@ impl TrivariateSpline {
     /// continuous derivatives.
     pub fn from_bezier_cells(cells: &BezierCells) -> Result<Self, SplineError> {
         let wrong = |reason: String| SplineError::Cells { reason };
-        if cells.shape() != CellShape::Hexahedra || cells.degree() != [3; 3] {
+        if cells.shape() != CellShape::Hexahedra || cells.degree() != Some([3; 3]) {
             return Err(wrong("they must be hexahedra of degree 3".into()));
         }
         if cells.weights().is_some() {

@@ -103,7 +103,7 @@ fn cells_that_do_not_join_are_refused() {
     let cells = spline(2).bezier_cells();
     let mut points = cells.points().to_vec();
     points[70].x += 0.1;
-    let torn = BezierCells::build(cells.shape(), cells.degree(), points, None).expect("cells");
+    let torn = BezierCells::build(cells.shape(), [3; 3], points, None).expect("cells");
     let error = TrivariateSpline::from_bezier_cells(&torn).expect_err("torn");
     assert!(error.to_string().contains("does not join"), "{error}");
     let few = BezierCells::build(cells.shape(), [3; 3], cells.points()[..128].to_vec(), None);

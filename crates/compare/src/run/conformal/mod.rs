@@ -45,7 +45,8 @@ fn run(
     check(case)?;
     let input = prepared(load(&case.input, clock)?, case)?;
     enter("domain", clock, observer);
-    let found = atlas(&input, method.form.as_ref(), &method.puncture, case.seed)?;
+    let choice = (method.form.as_ref(), &method.puncture[..]);
+    let found = atlas(&input, choice, case.seed, observer)?;
     let atlas = &found.atlas;
     enter("evaluate", clock, observer);
     let stretches = texture::stretches(atlas);
@@ -91,12 +92,13 @@ fn run(
 /// Returns the atlas of an input.
 ///
 /// # Errors
-/// A form of a surface that leaves no choice, or what the surface has no atlas for.
+/// A form of a surface that leaves no choice, what the surface has no atlas for, or a time limit that
+/// is over.
 pub(super) fn atlas(
     input: &LoadedInput,
-    form: Option<&Form>,
-    puncture: &[u32],
+    (form, puncture): (Option<&Form>, &[u32]),
     seed: u64,
+    observer: &mut Observer<'_>,
 ) -> Result<SurfaceAtlas, AtlasError> {
     if let (Some(form), Some(0)) = (form, input.facts.genus) {
         let form = form.to_string();
@@ -107,6 +109,7 @@ pub(super) fn atlas(
     Ok(Atlas::of_surface(
         &input.mesh,
         &AtlasOptions { form, puncture },
+        observer,
     )?)
 }
 

@@ -62,6 +62,7 @@ fn lengths(mesh: &TriangleMesh) -> Vec<[f64; 3]> {
 #[cfg(test)]
 mod tests {
     use msplines_common::mesh::shapes;
+    use msplines_common::progress::unobserved;
     use msplines_conformal::AtlasOptions;
 
     use super::*;
@@ -69,7 +70,8 @@ mod tests {
     #[test]
     fn half_of_the_surface_has_squares_of_a_fortieth_of_the_diagonal() {
         for mesh in [shapes::torus(1.0, 0.4, 900), shapes::sphere(900)] {
-            let found = Atlas::of_surface(&mesh, &AtlasOptions::default()).expect("an atlas");
+            let found = Atlas::of_surface(&mesh, &AtlasOptions::default(), &mut unobserved())
+                .expect("an atlas");
             let mesh = found.atlas.mesh();
             let texture = texture(&found.atlas, &stretches(&found.atlas));
             // Squares along the diagonal, by the areas of face and image.

@@ -58,7 +58,8 @@ fn run(
     let input = prepared(load(&case.input, clock)?, case)?;
     let normals = vertex_normals(&input)?;
     enter("domain", clock, observer);
-    let found = conformal::atlas(&input, method.form.as_ref(), &method.puncture, case.seed)?;
+    let choice = (method.form.as_ref(), &method.puncture[..]);
+    let found = conformal::atlas(&input, choice, case.seed, observer)?;
     let conditions = conditions(&input, &found, &normals.normals);
     enter("fit", clock, observer);
     let fit = {

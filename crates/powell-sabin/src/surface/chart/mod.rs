@@ -23,6 +23,8 @@
 //! [He2005] §3.3, which cuts zeros out; the chart `z^(1 / (m + 1))` is the standard one of a zero.
 
 mod map;
+#[cfg(test)]
+mod tests;
 
 use msplines_common::mesh::{NONE, Topology, TriangleMesh};
 use msplines_conformal::Zero;
@@ -39,6 +41,10 @@ const UPDATES: usize = 4;
 /// How far `z` may miss closing around a face of the disk, relative to its side: a period is far more,
 /// rounding far less.
 const CLOSED: f64 = 1e-6;
+
+/// Largest tangent of half an angle in a weight. Flips leave faces without area, whose largest angle is
+/// straight; any positive weights give a chart.
+const LARGEST_HALF_TANGENT: f64 = 1e3;
 
 /// The chart over a hole and the rings of faces around it.
 #[derive(Clone, Debug)]
@@ -227,6 +233,9 @@ impl Chart {
         let mut angles = vec![f64::NAN; self.z.len()];
         let start = topology.origin(sides().next().ok_or(NoSmoothCap::NoDisk)?);
         angles[start as usize] = zeta(start).arg();
+        // Marks apart: an angle may be no number, where the place of the zero is none.
+        let mut reached = vec![false; self.z.len()];
+        reached[start as usize] = true;
         let mut queue = vec![start];
         let mut next = 0;
         while next < queue.len() {
@@ -234,7 +243,8 @@ impl Chart {
             next += 1;
             for h in topology.outgoing(vertex).filter(|&h| outside(h)) {
                 for other in [topology.target(h), topology.origin(Topology::previous(h))] {
-                    if angles[other as usize].is_nan() {
+                    if !reached[other as usize] {
+                        reached[other as usize] = true;
                         let near = angles[vertex as usize] + step(vertex, other);
                         let own = zeta(other).arg();
                         let turns = ((near - own) / std::f64::consts::TAU).round();
@@ -333,7 +343,7 @@ fn disk(mesh: &TriangleMesh, in_hole: &impl Fn(u32) -> bool, zero: &Zero, rings:
 }
 
 /// Returns the mean-value weight of a half-edge at its origin: `(tan(α / 2) + tan(β / 2)) / length`, with
-/// the angles at the origin to both sides.
+/// the angles at the origin to both sides, straight ones a little less.
 ///
 /// # Reference
 /// [Floater2003].
@@ -345,9 +355,8 @@ fn mean_value_weight(mesh: &TriangleMesh, half_edge: u32) -> f64 {
     let length = side.norm();
     let half_tangent = |other: u32| {
         let arm = at(other) - origin;
-        let (dot, area) = (side.dot(&arm), side.cross(&arm).norm());
-        // tan(α / 2) = sin α / (1 + cos α)
-        area / (length * arm.norm() + dot)
+        let angle = side.cross(&arm).norm().atan2(side.dot(&arm));
+        (0.5 * angle).tan().min(LARGEST_HALF_TANGENT)
     };
     let mut sum = half_tangent(topology.target(Topology::next(half_edge)));
     let twin = topology.twin(half_edge);

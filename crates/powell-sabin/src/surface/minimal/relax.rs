@@ -7,11 +7,18 @@ use nalgebra::{DMatrix, Matrix2};
 
 use super::Layout;
 
-/// Rounds after which the area counts as settled anyway.
-const ROUNDS: u32 = 60;
+/// Rounds after which an area that still decreases is left as it is.
+const ROUNDS: u32 = 100;
 
-/// Relative decrease of the area in a round below which it has settled.
-const SETTLED: f64 = 1e-6;
+/// Relative decrease of the area in a round from which on points move along normals alone.
+const EVEN: f64 = 1e-3;
+
+/// Relative decrease of the area in a round of motion along normals below which it has settled. The
+/// area is flat there: the surface has moved by some 1e-5 of its size.
+const SETTLED: f64 = 1e-9;
+
+/// How often a step is halved that would fold the surface.
+const HALVINGS: u32 = 6;
 
 /// Smallest area of a cell at a point of quadrature, relative to the mean, before the surface counts
 /// as folding.
@@ -22,6 +29,16 @@ const QUADRATURE: [[f64; 3]; 3] = [
     [2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0],
     [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0],
     [1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0],
+];
+
+/// Where on a cell its control points belong.
+const PLACES: [[f64; 3]; 6] = [
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [0.5, 0.5, 0.0],
+    [0.0, 0.5, 0.5],
+    [0.5, 0.0, 0.5],
 ];
 
 /// How an area was decreased.
@@ -37,7 +54,21 @@ pub(crate) struct Relaxed {
     pub(crate) settled: bool,
 }
 
+/// Which way control points move in a round.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Motion {
+    /// Every way, which makes cells even too.
+    Free,
+    /// Along the normals. What is left to win by motion within the surface is an error of the
+    /// discretisation, and it takes hundreds of rounds.
+    AlongNormals,
+}
+
 /// Returns the control points of a surface of small area.
+///
+/// The area decreases in every round: along the way from `F` to the `F'` that minimises the energy in the
+/// metric of `F`, among all surfaces or those that normals lead to, the energy falls, and is at
+/// least the area.
 pub(super) fn relax(layout: &Layout) -> Option<(Vec<Vector3<f64>>, Relaxed)> {
     let mut system = System::new(layout)?;
     let disk = disk(layout)?;
@@ -49,21 +80,70 @@ pub(super) fn relax(layout: &Layout) -> Option<(Vec<Vector3<f64>>, Relaxed)> {
         rounds: 0,
         settled: false,
     };
+    let mut motion = Motion::Free;
     while relaxed.rounds < ROUNDS && !relaxed.settled {
-        let Some(next) = system.step(layout, &points) else {
-            break;
+        let mut step = |(way, halvings): (Motion, u32)| {
+            let next = match way {
+                Motion::Free => system.step(layout, &points),
+                Motion::AlongNormals => system.normal_step(layout, &points),
+            };
+            let found = unfolded(layout, &points, &next?, halvings)?;
+            Some((way, found))
         };
-        let Some(smaller) = self::area(layout, &next) else {
+        // Before a step is made shorter the other one is tried: free motion makes cells even that are
+        // about to fold.
+        let ways = match motion {
+            Motion::Free => [Motion::Free, Motion::AlongNormals],
+            Motion::AlongNormals => [Motion::AlongNormals, Motion::Free],
+        };
+        let tries = [0, HALVINGS]
+            .into_iter()
+            .flat_map(|n| ways.map(|way| (way, n)));
+        let found = tries.into_iter().find_map(&mut step);
+        let Some((way, (next, smaller))) = found else {
             break;
         };
         relaxed.rounds += 1;
-        relaxed.settled = smaller > (1.0 - SETTLED) * area;
-        if smaller < area {
+        let decrease = 1.0 - smaller / area;
+        if decrease > 0.0 {
             (points, area) = (next, smaller);
+        }
+        relaxed.settled = way == Motion::AlongNormals && decrease < SETTLED;
+        if decrease < EVEN {
+            motion = Motion::AlongNormals;
         }
     }
     relaxed.area = area;
     Some((points, relaxed))
+}
+
+/// Returns the surface and its area as far on the way as it does not fold.
+fn unfolded(
+    layout: &Layout,
+    from: &[Vector3<f64>],
+    to: &[Vector3<f64>],
+    halvings: u32,
+) -> Option<(Vec<Vector3<f64>>, f64)> {
+    (0..=halvings).find_map(|halvings| {
+        let share = 0.5_f64.powi(halvings as i32);
+        let pairs = from.iter().zip(to);
+        let points: Vec<Vector3<f64>> = pairs.map(|(a, b)| a.lerp(b, share)).collect();
+        let area = area(layout, &points)?;
+        Some((points, area))
+    })
+}
+
+/// Returns the unit normals at the control points, means over their cells by area.
+fn normals(layout: &Layout, points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let mut normals = vec![Vector3::zeros(); points.len()];
+    for cell in &layout.cells {
+        for (&point, at) in cell.iter().zip(PLACES) {
+            let [u, v] = tangents(cell, points, &gradients(at));
+            normals[point as usize] += u.cross(&v);
+        }
+    }
+    let unit = |normal: &Vector3<f64>| normal.try_normalize(0.0).unwrap_or_default();
+    normals.iter().map(unit).collect()
 }
 
 /// The gradient of the six basis functions by the second and third coordinate.
@@ -78,14 +158,20 @@ fn gradients([a, b, c]: [f64; 3]) -> [[f64; 2]; 6] {
     ]
 }
 
-/// The metric of a cell at a point of quadrature.
-fn metric(cell: &[u32; 6], points: &[Vector3<f64>], slopes: &[[f64; 2]; 6]) -> Matrix2<f64> {
+/// The derivatives of a cell at a point with these gradients.
+fn tangents(cell: &[u32; 6], points: &[Vector3<f64>], slopes: &[[f64; 2]; 6]) -> [Vector3<f64>; 2] {
     let mut first = [Vector3::zeros(); 2];
     for (&point, slope) in cell.iter().zip(slopes) {
         for k in 0..2 {
             first[k] += slope[k] * points[point as usize];
         }
     }
+    first
+}
+
+/// The metric of a cell at a point of quadrature.
+fn metric(cell: &[u32; 6], points: &[Vector3<f64>], slopes: &[[f64; 2]; 6]) -> Matrix2<f64> {
+    let first = tangents(cell, points, slopes);
     Matrix2::from_fn(|i, j| first[i].dot(&first[j]))
 }
 
@@ -159,7 +245,59 @@ impl System {
                 }
             }
         }
-        let matrix = SymmetricMatrix::from_lower_triplets(self.count, &entries);
+        self.solve(&entries, &mut right)?;
+        for (point, &unknown) in next.iter_mut().zip(&self.unknowns) {
+            if unknown != NONE {
+                *point = Vector3::from_fn(|c, _| right[(unknown as usize, c)]);
+            }
+        }
+        let finite = next.iter().all(|p| p.iter().all(|c| c.is_finite()));
+        finite.then_some(next)
+    }
+
+    /// Returns the surface of least Dirichlet energy in the metric of these points among those that
+    /// motion along normals leads to.
+    fn normal_step(
+        &mut self,
+        layout: &Layout,
+        points: &[Vector3<f64>],
+    ) -> Option<Vec<Vector3<f64>>> {
+        let normals = normals(layout, points);
+        let mut entries = Vec::with_capacity(21 * layout.cells.len());
+        let mut right = Mat::<f64>::zeros(self.count, 1);
+        for cell in &layout.cells {
+            let element = element(cell, points)?;
+            for (i, &row) in cell.iter().enumerate() {
+                let own = self.unknowns[row as usize];
+                if own == NONE {
+                    continue;
+                }
+                let normal = normals[row as usize];
+                for (j, &column) in cell.iter().enumerate() {
+                    let here = points[column as usize];
+                    right[(own as usize, 0)] -= element[i][j] * normal.dot(&here);
+                    let other = self.unknowns[column as usize];
+                    if other != NONE && other <= own {
+                        let share = normal.dot(&normals[column as usize]);
+                        entries.push((own, other, element[i][j] * share));
+                    }
+                }
+            }
+        }
+        self.solve(&entries, &mut right)?;
+        let mut next = points.to_vec();
+        for ((point, normal), &unknown) in next.iter_mut().zip(&normals).zip(&self.unknowns) {
+            if unknown != NONE {
+                *point += right[(unknown as usize, 0)] * normal;
+            }
+        }
+        let finite = next.iter().all(|p| p.iter().all(|c| c.is_finite()));
+        finite.then_some(next)
+    }
+
+    /// Solves for right-hand sides in place; the pattern of the matrix is always the same.
+    fn solve(&mut self, entries: &[(u32, u32, f64)], right: &mut Mat<f64>) -> Option<()> {
+        let matrix = SymmetricMatrix::from_lower_triplets(self.count, entries);
         match &mut self.factor {
             Some(factor) => factor.refactor(&matrix).ok()?,
             None => {
@@ -169,13 +307,7 @@ impl System {
             }
         }
         self.factor.as_ref()?.solve_in_place(right.as_mut());
-        for (point, &unknown) in next.iter_mut().zip(&self.unknowns) {
-            if unknown != NONE {
-                *point = Vector3::from_fn(|c, _| right[(unknown as usize, c)]);
-            }
-        }
-        let finite = next.iter().all(|p| p.iter().all(|c| c.is_finite()));
-        finite.then_some(next)
+        Some(())
     }
 }
 

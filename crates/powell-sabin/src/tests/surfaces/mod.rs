@@ -22,8 +22,8 @@ const POSITION: f64 = 1e-14;
 /// As positions, over lengths of edges.
 const NORMAL: f64 = 1e-13;
 
-pub(super) fn atlas(mesh: &TriangleMesh) -> Atlas {
-    let found = Atlas::of_surface(mesh, &AtlasOptions::default());
+pub(crate) fn atlas(mesh: &TriangleMesh) -> Atlas {
+    let found = Atlas::of_surface(mesh, &AtlasOptions::default(), &mut unobserved());
     found.expect("an atlas").atlas
 }
 
@@ -34,7 +34,7 @@ pub(super) fn options(fill: Fill) -> SurfaceOptions {
     }
 }
 
-pub(super) fn fitted(mesh: &TriangleMesh, fill: Fill) -> (SurfaceFit, Vec<VertexCondition>) {
+pub(crate) fn fitted(mesh: &TriangleMesh, fill: Fill) -> (SurfaceFit, Vec<VertexCondition>) {
     let atlas = atlas(mesh);
     let normals = estimate_normals(atlas.mesh()).expect("normals");
     let conditions = VertexCondition::of_mesh(atlas.mesh(), &normals);

@@ -1,0 +1,65 @@
+//! Samples moved over the cylinders towards the nearest points of the surface.
+//!
+//! # Notation
+//! `r = p - F`, `J = (F_x, F_y)`; a step `δ` of Gauss and Newton solves `Jᵀ J δ = Jᵀ r`. No step is longer
+//! than half a leaf, and none is taken that leads further away.
+//!
+//! # Reference
+//! [Hoschek1988], the correction of parameters. Deviation from [He2006], which has none: its errors are
+//! measured at fixed parameters.
+
+use msplines_common::evaluate::Order;
+use nalgebra::{Matrix2, Vector2};
+use rayon::prelude::*;
+
+use super::samples::Sorted;
+use crate::complex::{Point, UNITS};
+use crate::space::Rows;
+use crate::spline::{SurfaceSamples, TSpline};
+
+/// Share of the length of the larger derivative below which directions count as dependent.
+const DAMPING: f64 = 1e-9;
+
+/// Moves samples once, where that brings the surface nearer; `rows` are theirs, with derivatives. Returns
+/// the share that moved.
+pub(super) fn correct(spline: &TSpline, sorted: &mut Sorted, rows: &Rows) -> f64 {
+    let mut here = SurfaceSamples::default();
+    spline.apply(rows, Order::First, &mut here);
+    let mesh = spline.space().mesh();
+    let complex = mesh.complex();
+    let tried: Vec<Point> = (0..sorted.samples.len())
+        .into_par_iter()
+        .map(|i| {
+            let sample = &sorted.samples[i];
+            let leaf = mesh.leaves()[mesh.leaf_of(sample.at) as usize];
+            let [x, y] = here.first[i];
+            let residual = sample.position - here.positions[i];
+            let step = step([x.dot(&x), x.dot(&y), y.dot(&y)], [x.dot(&residual), y.dot(&residual)]);
+            let longest = leaf.size().map(|s| 0.5 * s as f64 / UNITS);
+            let excess = (step.x.abs() / longest[0]).max(step.y.abs() / longest[1]).max(1.0);
+            let way = [step.x, step.y].map(|d| d / excess * UNITS);
+            if way.iter().all(|d| d.is_finite()) {
+                complex.walk(sample.at, way).0
+            } else {
+                sample.at
+            }
+        })
+        .collect();
+    let there = spline.evaluate(&tried, Order::Value);
+    let mut moved = 0;
+    for (i, sample) in sorted.samples.iter_mut().enumerate() {
+        let before = (sample.position - here.positions[i]).norm_squared();
+        let after = (sample.position - there.positions[i]).norm_squared();
+        if after < before {
+            sample.at = tried[i];
+            moved += 1;
+        }
+    }
+    moved as f64 / sorted.samples.len() as f64
+}
+
+fn step([xx, xy, yy]: [f64; 3], [x, y]: [f64; 2]) -> Vector2<f64> {
+    let damping = DAMPING * (xx + yy);
+    let matrix = Matrix2::new(xx + damping, xy, xy, yy + damping);
+    matrix.cholesky().map_or(Vector2::zeros(), |c| c.solve(&Vector2::new(x, y)))
+}

@@ -1,0 +1,57 @@
+//! Why there is no fit.
+
+use crate::caps::CapsError;
+use crate::tmesh::TMeshError;
+
+/// A task that has no solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// No samples to fit to.
+    #[error("there are no samples; give the vertices of the mesh")]
+    NoSamples,
+    /// A sample that is no point.
+    #[error("sample {sample} has a coordinate or a weight that is not finite")]
+    NotFinite {
+        /// The sample.
+        sample: usize,
+    },
+    /// Fewer control points than the coarsest T-mesh has.
+    #[error("{given} control points are fewer than the coarsest T-mesh of this surface has; allow at least {least}")]
+    Budget {
+        /// Those allowed.
+        given: usize,
+        /// Those needed.
+        least: usize,
+    },
+    /// A tolerance that no surface meets.
+    #[error("the tolerance {given} is not a positive length")]
+    Tolerance {
+        /// The one given.
+        given: f64,
+    },
+    /// Options out of their range.
+    #[error("{option} must be {range}, not {given}")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// What it may be.
+        range: &'static str,
+        /// What it is.
+        given: f64,
+    },
+    /// A T-mesh that cannot be laid out.
+    #[error(transparent)]
+    TMesh(#[from] TMeshError),
+    /// Caps that cannot be laid out.
+    #[error(transparent)]
+    Caps(#[from] CapsError),
+    /// A system that cannot be solved.
+    #[error("the system of {unknowns} unknowns cannot be solved: {reason}")]
+    Solve {
+        /// Number of unknowns.
+        unknowns: usize,
+        /// Why.
+        reason: String,
+    },
+}

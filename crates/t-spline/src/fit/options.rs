@@ -1,0 +1,100 @@
+//! What can be chosen about a fit.
+
+use serde::{Deserialize, Serialize};
+
+use crate::caps::CapOptions;
+use crate::tmesh::Grading;
+
+/// When a fit has control points enough.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stop {
+    /// As many as there may be.
+    ControlPoints(usize),
+    /// As soon as no measured sample is further off than this length.
+    Tolerance(f64),
+}
+
+/// Whether samples move over the cylinders to the nearest points of the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Correction {
+    /// They stay where the form has them.
+    Off,
+    /// They move.
+    On {
+        /// Steps after every refinement.
+        steps: u32,
+        /// Share of the control points from which on they do.
+        from: f64,
+        /// Steps at the end.
+        last: u32,
+    },
+}
+
+/// How a fit refines.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Refinement {
+    /// Faces that the T-mesh begins with, about.
+    pub start: usize,
+    /// Share of the faces that are split in a round.
+    pub share: f64,
+    /// Faces are ranked by the sums of errors to this power.
+    pub exponent: f64,
+    /// How many times more a face must bend in one direction than in the other to be split in that one
+    /// only.
+    pub ratio: f64,
+    /// Bounds on shapes and sizes.
+    pub grading: Grading,
+}
+
+/// Options of [`fit`](super::fit).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FitOptions {
+    /// When to stop.
+    pub stop: Stop,
+    /// Weight of the thin plate, relative to that of the samples.
+    pub fairness: f64,
+    /// Whether samples move.
+    pub correction: Correction,
+    /// How to refine.
+    pub refinement: Refinement,
+    /// The caps.
+    pub caps: CapOptions,
+}
+
+impl Default for Correction {
+    fn default() -> Self {
+        Self::On {
+            steps: 2,
+            from: 0.5,
+            last: 6,
+        }
+    }
+}
+
+impl Default for Refinement {
+    fn default() -> Self {
+        Self {
+            start: 60,
+            share: 0.06,
+            exponent: 2.0,
+            ratio: 2.5,
+            grading: Grading::default(),
+        }
+    }
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self {
+            stop: Stop::ControlPoints(2000),
+            fairness: 1e-7,
+            correction: Correction::default(),
+            refinement: Refinement::default(),
+            caps: CapOptions::default(),
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! The least-squares problem on a T-mesh: assembled leaf by leaf, factored as one system.
+//!
+//! # Notation
+//! `B` rows of the rational basis at the samples, `W` their weights, `K` the fairness; the unknowns `x`
+//! minimise `|B x - p|²_W + λ xᵀ K x`. With `D` the roots of the diagonal, `D⁻¹ (Bᵀ W B + λ K) D⁻¹` is
+//! factored: coefficients of caps and control points are of different sizes.
+//!
+//! On a leaf the same functions meet all samples, so that their products are collected in a small dense
+//! matrix, and its entries have a fixed place in the large one.
+//!
+//! # Reference
+//! [He2006] Eq. (3). Deviation: the plate of a leaf is measured in the lengths of the leaf, so that it is
+//! as stiff on a large leaf as on a small one; the paper's, in units of the form, would be stiffer by the
+//! fourth power of how much the map compresses.
+
+use msplines_common::Vector3;
+use msplines_common::evaluate::Order;
+use msplines_common::linalg::{
+    Cholesky, FactorError, Mat, Ordering, OrderingError, Symbolic, SymmetricMatrix,
+};
+use rayon::prelude::*;
+
+use super::samples::Sorted;
+use crate::complex::{Point, UNITS};
+use crate::space::{Row, Rows, TSplineSpace};
+
+/// What is added to the scaled diagonal, all ones: enough to make functions that nothing holds zero.
+const RIDGE: f64 = 1e-11;
+/// Points of Gauss's rule of two.
+const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+
+/// The equations of one T-mesh.
+pub(super) struct System {
+    /// Unknowns on each leaf, ascending.
+    unknowns: Vec<Vec<u32>>,
+    /// For each leaf, where the lower triangle of its dense matrix goes: both halves.
+    places: Vec<Vec<[u32; 2]>>,
+    /// The fairness, and a zero wherever there may be more.
+    fair: SymmetricMatrix,
+    matrix: SymmetricMatrix,
+    factor: Option<Cholesky>,
+}
+
+/// A dense matrix over the unknowns of a leaf, lower triangle by rows, and right-hand sides.
+struct Local {
+    matrix: Vec<f64>,
+    right: Vec<Vector3<f64>>,
+    /// The row that is added: places among the unknowns of the leaf, and numbers.
+    places: Vec<(usize, f64)>,
+}
+
+impl System {
+    /// Lays out the equations of a space, with the fairness in it.
+    pub(super) fn build(
+        space: &TSplineSpace,
+        sorted: &Sorted,
+        rows: &Rows,
+        fairness: f64,
+    ) -> Self {
+        let leaves = space.mesh().leaves().len();
+        let gauss = gauss_points(space);
+        let plates = space.rows(&gauss.iter().map(|g| g.0).collect::<Vec<_>>(), Order::Second);
+        let unknowns: Vec<Vec<u32>> = (0..leaves)
+            .into_par_iter()
+            .map(|leaf| {
+                let mut found: Vec<u32> = space.functions_on(leaf as u32).collect();
+                let seen = sorted.on(leaf).flat_map(|i| rows.row(i).unknowns);
+                found.extend(seen);
+                found.sort_unstable();
+                found.dedup();
+                found
+            })
+            .collect();
+        let entries: Vec<(u32, u32, f64)> = unknowns
+            .iter()
+            .flat_map(|list| pairs(list).map(|[row, column]| (row, column, 0.0)))
+            .collect();
+        let empty = SymmetricMatrix::from_lower_triplets(space.unknowns(), &with_diagonal(entries, space));
+        let places = unknowns
+            .par_iter()
+            .map(|list| {
+                let place = |row, column| empty.place(row, column).unwrap_or(0) as u32;
+                let pairs = pairs(list);
+                pairs.map(|[i, j]| [place(i, j), place(j, i)]).collect()
+            })
+            .collect();
+        let mut system = Self {
+            unknowns,
+            places,
+            matrix: empty.clone(),
+            fair: empty,
+            factor: None,
+        };
+        system.add_plates(&gauss, &plates, fairness * sorted.samples.len() as f64 / leaves as f64);
+        system
+    }
+
+    /// Whether all unknowns of rows have a place.
+    pub(super) fn holds(&self, sorted: &Sorted, rows: &Rows) -> bool {
+        (0..self.unknowns.len()).into_par_iter().all(|leaf| {
+            let list = &self.unknowns[leaf];
+            let mut seen = sorted.on(leaf).flat_map(|i| rows.row(i).unknowns);
+            seen.all(|unknown| list.binary_search(unknown).is_ok())
+        })
+    }
+
+    fn add_plates(&mut self, gauss: &[(Point, u32, [f64; 2])], rows: &Rows, weight: f64) {
+        let mut locals: Vec<Local> = self.unknowns.iter().map(|l| Local::zero(l.len())).collect();
+        for (i, &(_, leaf, [w, h])) in gauss.iter().enumerate() {
+            let (row, list) = (rows.row(i), &self.unknowns[leaf as usize]);
+            let scales = [w * w, w * h * std::f64::consts::SQRT_2, h * h];
+            for (k, scale) in scales.into_iter().enumerate() {
+                let entry = |j: usize| scale * row.second[j][k];
+                locals[leaf as usize].add(list, &row, entry, 0.25 * weight, None);
+            }
+        }
+        scatter(self.fair.values_mut(), &self.places, &locals);
+    }
+
+    /// Returns the unknowns that fit the samples best.
+    ///
+    /// # Errors
+    /// A system that is not definite in spite of the ridge: numbers that are none.
+    pub(super) fn solve(&mut self, sorted: &Sorted, rows: &Rows) -> Result<Vec<Vector3<f64>>, SolveError> {
+        let locals: Vec<Local> = (0..self.unknowns.len())
+            .into_par_iter()
+            .map(|leaf| {
+                let list = &self.unknowns[leaf];
+                let mut local = Local::zero(list.len());
+                for i in sorted.on(leaf) {
+                    let (row, sample) = (rows.row(i), &sorted.samples[i]);
+                    let due = Some(sample.position.coords);
+                    local.add(list, &row, |j| row.values[j], sample.weight, due);
+                }
+                local
+            })
+            .collect();
+        let mut right = vec![Vector3::zeros(); self.matrix.size()];
+        for (list, local) in self.unknowns.iter().zip(&locals) {
+            for (&unknown, value) in list.iter().zip(&local.right) {
+                right[unknown as usize] += value;
+            }
+        }
+        let values = self.matrix.values_mut();
+        values.copy_from_slice(self.fair.values());
+        scatter(values, &self.places, &locals);
+        self.solve_scaled(&right)
+    }
+
+    fn solve_scaled(&mut self, right: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, SolveError> {
+        let scales: Vec<f64> = self.matrix.diagonal().iter().map(|d| if *d > 0.0 { 1.0 / d.sqrt() } else { 1.0 }).collect();
+        let starts = self.matrix.starts().to_vec();
+        let rows = self.matrix.rows().to_vec();
+        let values = self.matrix.values_mut();
+        for column in 0..right.len() {
+            for at in starts[column]..starts[column + 1] {
+                values[at] *= scales[column] * scales[rows[at] as usize];
+                if rows[at] as usize == column {
+                    values[at] += RIDGE;
+                }
+            }
+        }
+        match &mut self.factor {
+            Some(factor) => factor.refactor(&self.matrix)?,
+            None => {
+                let ordering = Ordering::nested_dissection(&self.matrix)?;
+                let symbolic = Symbolic::analyze(&self.matrix, &ordering);
+                self.factor = Some(Cholesky::factor(symbolic, &self.matrix)?);
+            }
+        }
+        let mut x = Mat::from_fn(right.len(), 3, |i, c| scales[i] * right[i][c]);
+        if let Some(factor) = &self.factor {
+            factor.solve_in_place(x.as_mut());
+        }
+        let scaled = scales.iter().enumerate();
+        Ok(scaled.map(|(i, s)| Vector3::from_fn(|c, _| s * x[(i, c)])).collect())
+    }
+}
+
+/// Why a system has no solution.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub(super) enum SolveError {
+    #[error(transparent)]
+    Factor(#[from] FactorError),
+    #[error(transparent)]
+    Ordering(#[from] OrderingError),
+}
+
+impl Local {
+    fn zero(size: usize) -> Self {
+        Self {
+            matrix: vec![0.0; size * (size + 1) / 2],
+            right: vec![Vector3::zeros(); size],
+            places: Vec::with_capacity(size),
+        }
+    }
+
+    /// Adds the square of a row, `entry` its numbers, and its right-hand side.
+    #[inline]
+    fn add(
+        &mut self,
+        list: &[u32],
+        row: &Row<'_>,
+        entry: impl Fn(usize) -> f64,
+        weight: f64,
+        due: Option<Vector3<f64>>,
+    ) {
+        let places = &mut self.places;
+        places.clear();
+        let mut from = 0;
+        for (j, unknown) in row.unknowns.iter().enumerate() {
+            from += list[from..].iter().position(|u| u == unknown).unwrap_or(0);
+            match places.last_mut() {
+                // Images of one function stand side by side.
+                Some((place, sum)) if *place == from => *sum += entry(j),
+                _ => places.push((from, entry(j))),
+            }
+        }
+        for (i, &(place, value)) in places.iter().enumerate() {
+            let factor = weight * value;
+            let line = &mut self.matrix[place * (place + 1) / 2..];
+            for &(other, entry) in &places[..=i] {
+                line[other] += factor * entry;
+            }
+            if let Some(due) = due {
+                self.right[place] += factor * due;
+            }
+        }
+    }
+}
+
+/// Returns the lower triangle of a list with itself, by rows.
+fn pairs(list: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
+    let rows = list.iter().enumerate();
+    rows.flat_map(|(i, &row)| list[..=i].iter().map(move |&column| [row, column]))
+}
+
+fn with_diagonal(mut pairs: Vec<(u32, u32, f64)>, space: &TSplineSpace) -> Vec<(u32, u32, f64)> {
+    pairs.extend((0..space.unknowns() as u32).map(|i| (i, i, 0.0)));
+    pairs
+}
+
+fn scatter(values: &mut [f64], places: &[Vec<[u32; 2]>], locals: &[Local]) {
+    for (places, local) in places.iter().zip(locals) {
+        for (&[one, other], value) in places.iter().zip(&local.matrix) {
+            values[one as usize] += value;
+            if one != other {
+                values[other as usize] += value;
+            }
+        }
+    }
+}
+
+/// Returns four points on each leaf, the leaf, and its sides in units of the form's 1; none within caps,
+/// where the coordinates of the form are singular and there are samples enough.
+fn gauss_points(space: &TSplineSpace) -> Vec<(Point, u32, [f64; 2])> {
+    let leaves = space.mesh().leaves().iter().enumerate();
+    let points = leaves.flat_map(|(index, leaf)| {
+        let [w, h] = leaf.size().map(|s| s as f64);
+        GAUSS.into_iter().flat_map(move |s| GAUSS.map(|t| [s, t])).map(move |[s, t]| {
+            let point = Point {
+                cylinder: leaf.cylinder,
+                x: leaf.x[0] as f64 + s * w,
+                y: leaf.y[0] as f64 + t * h,
+            };
+            (point, index as u32, [w / UNITS, h / UNITS])
+        })
+    });
+    points.filter(|(point, ..)| space.caps().at(*point).is_none()).collect()
+}
