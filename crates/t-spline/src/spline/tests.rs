@@ -47,18 +47,17 @@ fn jumps(spline: &TSpline, points: &[(Point, [f64; 2])]) -> [f64; 6] {
         };
         jets(spline, &points.iter().map(moved).collect::<Vec<_>>())
     };
-    let [far, near] = [1e-9, 1e-10].map(|offset| (side(offset), side(-offset)));
+    let sides = [1e-10, 2e-10, 4e-10].map(|offset| (side(offset), side(-offset)));
     let typical: [f64; 6] = std::array::from_fn(|d| {
-        let squares = near.0.iter().map(|jet| jet[d].norm_squared());
+        let squares = sides[0].0.iter().map(|jet| jet[d].norm_squared());
         (squares.sum::<f64>() / points.len() as f64).sqrt()
     });
     let mut largest = [0.0_f64; 6];
     for i in 0..points.len() {
         for d in 0..6 {
-            let far = far.0[i][d] - far.1[i][d];
-            let near = near.0[i][d] - near.1[i][d];
-            // A difference that is linear in the offset leaves nothing, a jump itself.
-            let jump = (10.0 * near - far).norm() / 9.0;
+            let [near, far, farther] = [0, 1, 2].map(|k| sides[k].0[i][d] - sides[k].1[i][d]);
+            // Differences that are linear and quadratic in the offset leave nothing, a jump itself.
+            let jump = (8.0 * near - 6.0 * far + farther).norm() / 3.0;
             largest[d] = largest[d].max(jump / typical[d]);
         }
     }
