@@ -9,16 +9,15 @@
 //! The Laplacian of a smooth spline is itself a combination of Green's functions: `y = A⁻¹ L f`
 //! solves `L y = w`, so that `Δf = -y` takes one solve and no differences.
 
-use msplines_common::evaluate::{Domain, EvaluateError, Evaluator, Order, Samples, SurfaceSpline};
+use msplines_common::evaluate::{
+    Domain, EvaluateError, Evaluator, Order, Samples, SurfaceSpline, check_points,
+};
 use msplines_common::mesh::{SurfacePoint, TriangleMesh};
 use nalgebra::Vector3;
 
 use crate::spline::unsolvable;
 use crate::subdivision::Extension;
 use crate::{BiharmonicSpline, Form};
-
-/// Barycentric coordinates may differ from a partition of one by so much.
-const BARYCENTRIC_TOLERANCE: f64 = 1e-9;
 
 /// What one point takes from the values of a vertex list: three corners and three midpoints.
 struct Stencil {
@@ -177,26 +176,6 @@ impl BiharmonicSpline {
             .map(|at| -flux[at])
             .collect())
     }
-}
-
-fn check_points(domain: &TriangleMesh, points: &[SurfacePoint]) -> Result<(), EvaluateError> {
-    let faces = domain.face_count();
-    for (index, point) in points.iter().enumerate() {
-        let face = point.face;
-        if face as usize >= faces {
-            return Err(EvaluateError::NoSuchFace {
-                point: index,
-                face,
-                faces,
-            });
-        }
-        let sum: f64 = point.at.iter().sum();
-        let inside = point.at.iter().all(|&b| b >= -BARYCENTRIC_TOLERANCE);
-        if !(inside && (sum - 1.0).abs() <= BARYCENTRIC_TOLERANCE) {
-            return Err(EvaluateError::OutsideFace { point: index, face });
-        }
-    }
-    Ok(())
 }
 
 fn at_corner(domain: &TriangleMesh, point: SurfacePoint) -> Stencil {

@@ -1,7 +1,7 @@
 //! A least-squares mesh as a value: controls, and the surface they imply.
 
 use msplines_common::evaluate::{
-    Domain, EvaluateError, Evaluator, Order, Samples, SurfaceSpline, VertexData,
+    Domain, EvaluateError, Evaluator, Order, Samples, SurfaceSpline, VertexData, check_points,
 };
 use msplines_common::mesh::{SurfacePoint, TriangleMesh};
 
@@ -9,9 +9,6 @@ use crate::error::{FitError, check_constraints, check_controls, check_data};
 use crate::fit::solve_controls;
 use crate::options::Constraints;
 use crate::space::Space;
-
-/// How far barycentric coordinates may leave their triangle by rounding.
-const BARYCENTRIC_TOLERANCE: f64 = 1e-9;
 
 /// A least-squares mesh: values at the vertices of a mesh, implied by those at its controls.
 ///
@@ -124,28 +121,6 @@ impl LsMesh {
     pub fn vertex_values(&self) -> &[f64] {
         &self.values
     }
-
-    fn check(&self, index: usize, point: SurfacePoint) -> Result<(), EvaluateError> {
-        let faces = self.mesh.face_count();
-        if point.face as usize >= faces {
-            return Err(EvaluateError::NoSuchFace {
-                point: index,
-                face: point.face,
-                faces,
-            });
-        }
-        let inside = point
-            .at
-            .iter()
-            .all(|c| c.is_finite() && *c >= -BARYCENTRIC_TOLERANCE);
-        if !inside || (point.at.iter().sum::<f64>() - 1.0).abs() > BARYCENTRIC_TOLERANCE {
-            return Err(EvaluateError::OutsideFace {
-                point: index,
-                face: point.face,
-            });
-        }
-        Ok(())
-    }
 }
 
 impl SurfaceSpline for LsMesh {
@@ -164,9 +139,7 @@ impl SurfaceSpline for LsMesh {
                 available: Order::Value,
             });
         }
-        for (index, &point) in points.iter().enumerate() {
-            self.check(index, point)?;
-        }
+        check_points(&self.mesh, points)?;
         Ok(Box::new(Prepared {
             spline: self,
             points: points.to_vec(),

@@ -16,6 +16,7 @@ pub mod fit;
 pub mod space;
 pub mod spline;
 pub mod support;
+pub mod surface;
 pub mod tmesh;
 
 pub use complex::CylinderComplex;
@@ -23,4 +24,5 @@ pub use domain::{Domain, DomainOptions};
 pub use fit::{Fit, FitError, FitOptions, Sample, Stop, fit};
 pub use space::TSplineSpace;
 pub use spline::TSpline;
+pub use surface::TSplineSurface;
 pub use tmesh::TMesh;

@@ -1,7 +1,10 @@
 //! Values, derivatives and normals at points.
 
 use msplines_common::Vector3;
-use msplines_common::evaluate::{Domain, EvaluateError, Evaluator, Order, Samples, SurfaceSpline};
+use msplines_common::evaluate::{
+    Domain, EvaluateError, Evaluator, Order, Samples, SurfaceSpline, check_frames, check_points,
+    flat_by_frame,
+};
 use msplines_common::mesh::{SurfacePoint, TriangleMesh};
 use rayon::prelude::*;
 
@@ -9,9 +12,6 @@ use super::PowellSabinSpline;
 use crate::element::{gradient, value};
 use crate::error::SplineError;
 use crate::tangent;
-
-/// How far barycentric coordinates may leave their triangle by rounding.
-const BARYCENTRIC_TOLERANCE: f64 = 1e-9;
 
 /// Points that one task evaluates.
 pub(crate) const POINTS_PER_TASK: usize = 1024;
@@ -137,58 +137,6 @@ impl PowellSabinSpline {
             }
         }
     }
-}
-
-/// Returns the derivatives of `u` and `v` by the two coordinates of the frame of a face, from the flat
-/// vectors of its sides: `[[u_a, v_a], [u_b, v_b]]`.
-pub(crate) fn flat_by_frame(mesh: &TriangleMesh, face: u32, edges: [[f64; 2]; 3]) -> [[f64; 2]; 2] {
-    let [along, across] = mesh.face_frame(face);
-    let [a, b, c] = mesh.triangle(face);
-    let first = (b - a).dot(&along);
-    let (x, y) = ((c - a).dot(&along), (c - a).dot(&across));
-    let by_a = edges[0].map(|e| e / first);
-    let by_b = [0, 1].map(|i| (-edges[2][i] - x * by_a[i]) / y);
-    [by_a, by_b]
-}
-
-/// Checks that points lie on faces of a mesh.
-pub(crate) fn check_points(
-    mesh: &TriangleMesh,
-    points: &[SurfacePoint],
-) -> Result<(), EvaluateError> {
-    let faces = mesh.face_count();
-    for (point, &SurfacePoint { face, at }) in points.iter().enumerate() {
-        if face as usize >= faces {
-            return Err(EvaluateError::NoSuchFace { point, face, faces });
-        }
-        let inside = at
-            .iter()
-            .all(|c| c.is_finite() && *c >= -BARYCENTRIC_TOLERANCE);
-        if !inside || (at.iter().sum::<f64>() - 1.0).abs() > BARYCENTRIC_TOLERANCE {
-            return Err(EvaluateError::OutsideFace { point, face });
-        }
-    }
-    Ok(())
-}
-
-/// Checks that the faces of points have a frame.
-pub(crate) fn check_frames(
-    mesh: &TriangleMesh,
-    points: &[SurfacePoint],
-) -> Result<(), EvaluateError> {
-    let flat = |p: &&SurfacePoint| {
-        let [a, b, c] = mesh.triangle(p.face);
-        let longest = (b - a).norm_squared().max((c - a).norm_squared());
-        mesh.face_normal(p.face).norm() <= f64::EPSILON * longest
-    };
-    points.iter().find(flat).map_or(Ok(()), |p| {
-        Err(EvaluateError::Unsolvable {
-            reason: format!(
-                "face {} of the mesh has no area, so that it has no frame; ask for derivatives by flat coordinates",
-                p.face
-            ),
-        })
-    })
 }
 
 /// Returns the unit normal of six derivatives `[u, v][component]`, if they span a plane.

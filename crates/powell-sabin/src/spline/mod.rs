@@ -6,7 +6,7 @@ mod evaluate;
 mod tessellate;
 
 pub use basis::Basis;
-pub(crate) use evaluate::{POINTS_PER_TASK, check_frames, check_points, flat_by_frame};
+pub(crate) use evaluate::POINTS_PER_TASK;
 pub(crate) use tessellate::Lattice;
 pub use tessellate::Tessellation;
 

@@ -1,14 +1,17 @@
 //! Values, derivatives and normals at points of the whole surface.
 
 use msplines_common::Vector3;
-use msplines_common::evaluate::{Domain, EvaluateError, Evaluator, Order, Samples, SurfaceSpline};
+use msplines_common::evaluate::{
+    Domain, EvaluateError, Evaluator, Order, Samples, SurfaceSpline, check_frames, check_points,
+    flat_by_frame,
+};
 use msplines_common::mesh::SurfacePoint;
 use rayon::prelude::*;
 
 use super::PowellSabinSurface;
 use super::hole::Cap;
 use super::jet::{Jet, scalar_jet, spline_jet};
-use crate::spline::{POINTS_PER_TASK, check_frames, check_points, flat_by_frame};
+use crate::spline::POINTS_PER_TASK;
 use crate::tangent::unit_normal;
 
 impl PowellSabinSurface {

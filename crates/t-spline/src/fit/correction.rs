@@ -13,7 +13,7 @@ use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
 
 use super::samples::Sorted;
-use crate::complex::{Point, UNITS};
+use crate::complex::{CylinderComplex, Point, UNITS};
 use crate::space::Rows;
 use crate::spline::{SurfaceSamples, TSpline};
 
@@ -27,35 +27,53 @@ pub(super) fn correct(spline: &TSpline, sorted: &mut Sorted, rows: &Rows) -> f64
     spline.apply(rows, Order::First, &mut here);
     let mesh = spline.space().mesh();
     let complex = mesh.complex();
-    let tried: Vec<Point> = (0..sorted.samples.len())
+    let tried: Vec<(Point, [f64; 2])> = (0..sorted.samples.len())
         .into_par_iter()
         .map(|i| {
             let sample = &sorted.samples[i];
+            if !sample.movable {
+                return (sample.at, [0.0; 2]);
+            }
             let leaf = mesh.leaves()[mesh.leaf_of(sample.at) as usize];
             let [x, y] = here.first[i];
             let residual = sample.position - here.positions[i];
-            let step = step([x.dot(&x), x.dot(&y), y.dot(&y)], [x.dot(&residual), y.dot(&residual)]);
+            let step = step(
+                [x.dot(&x), x.dot(&y), y.dot(&y)],
+                [x.dot(&residual), y.dot(&residual)],
+            );
             let longest = leaf.size().map(|s| 0.5 * s as f64 / UNITS);
-            let excess = (step.x.abs() / longest[0]).max(step.y.abs() / longest[1]).max(1.0);
-            let way = [step.x, step.y].map(|d| d / excess * UNITS);
-            if way.iter().all(|d| d.is_finite()) {
-                complex.walk(sample.at, way).0
-            } else {
-                sample.at
-            }
+            let excess = (step.x.abs() / longest[0]).max(step.y.abs() / longest[1]);
+            walked(complex, sample.at, [step.x, step.y].map(|d| d / excess.max(1.0) * UNITS))
         })
         .collect();
-    let there = spline.evaluate(&tried, Order::Value);
+    let points: Vec<Point> = tried.iter().map(|t| t.0).collect();
+    let there = spline.evaluate(&points, Order::Value);
     let mut moved = 0;
     for (i, sample) in sorted.samples.iter_mut().enumerate() {
         let before = (sample.position - here.positions[i]).norm_squared();
         let after = (sample.position - there.positions[i]).norm_squared();
         if after < before {
-            sample.at = tried[i];
+            let (at, way) = tried[i];
+            sample.at = at;
+            sample.shift = [0, 1].map(|k| sample.shift[k] + way[k]);
             moved += 1;
         }
     }
     moved as f64 / sorted.samples.len() as f64
+}
+
+/// Returns where a way leads, and the way: along a border where the surface ends.
+fn walked(complex: &CylinderComplex, from: Point, way: [f64; 2]) -> (Point, [f64; 2]) {
+    if way.iter().any(|d| !d.is_finite()) {
+        return (from, [0.0; 2]);
+    }
+    match complex.walk(from, way) {
+        (to, None) => (to, way),
+        (_, Some(_)) => {
+            let along = [way[0], 0.0];
+            (complex.walk(from, along).0, along)
+        }
+    }
 }
 
 fn step([xx, xy, yy]: [f64; 3], [x, y]: [f64; 2]) -> Vector2<f64> {

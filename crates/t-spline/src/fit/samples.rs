@@ -17,6 +17,25 @@ pub struct Sample {
     pub weight: f64,
     /// Whether errors are measured at it: at vertices they are, at points of faces not.
     pub measured: bool,
+    /// Whether it may move: not at a zero of the form, where directions part.
+    pub movable: bool,
+    /// How far it has moved, in units.
+    pub shift: [f64; 2],
+}
+
+impl Sample {
+    /// Returns a vertex to be approximated.
+    #[must_use]
+    pub fn vertex(at: Point, position: Point3<f64>) -> Self {
+        Self {
+            at,
+            position,
+            weight: 1.0,
+            measured: true,
+            movable: true,
+            shift: [0.0; 2],
+        }
+    }
 }
 
 /// Samples by leaf.
