@@ -42,4 +42,5 @@ pub use error::ConformalError;
 pub use homology::{Cocycle, Homology};
 pub use lattice::Lattice;
 pub use surface::{AtlasOptions, AtlasReport, Structure, SurfaceAtlas};
+pub use uniformity::Uniformity;
 pub use zeros::Zero;

@@ -4,6 +4,7 @@
 mod library;
 
 use msplines_common::mesh::TriangleMesh;
+use msplines_common::progress::unobserved;
 use msplines_t_spline::domain::{Domain, DomainOptions};
 
 /// Closed models of genus >= 1, and the number of cylinders before any is collapsed: `3g - 3`.
@@ -24,11 +25,14 @@ fn cut(name: &str, mesh: &TriangleMesh, poles: Vec<u32>) -> Domain {
         poles,
         ..DomainOptions::default()
     };
-    let domain = Domain::of_surface(mesh, &options).expect("a domain");
+    let domain = Domain::of_surface(mesh, &options, &mut unobserved()).expect("a domain");
     let report = *domain.report();
     println!("{name}: {report:?}");
     assert!(report.closure < ROUNDING && report.area_defect.abs() < ROUNDING);
-    assert_eq!(domain.complex().cylinders().len() + report.collapsed, report.cylinders);
+    assert_eq!(
+        domain.complex().cylinders().len() + report.collapsed,
+        report.cylinders
+    );
     domain
 }
 
@@ -50,7 +54,9 @@ fn farthest(mesh: &TriangleMesh, directions: &[[f64; 3]]) -> Vec<u32> {
             p.x * axis[0] + p.y * axis[1] + p.z * axis[2]
         };
         let vertices = 0..mesh.vertex_count() as u32;
-        vertices.max_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(0)
+        vertices
+            .max_by(|a, b| height(a).total_cmp(&height(b)))
+            .unwrap_or(0)
     };
     directions.iter().map(farthest).collect()
 }

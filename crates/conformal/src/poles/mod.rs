@@ -22,6 +22,7 @@ mod tests;
 
 use msplines_common::mesh::{SurfacePoint, TriangleMesh};
 use msplines_common::progress::{Observer, Stages};
+use serde::{Deserialize, Serialize};
 
 use crate::atlas::{Atlas, Ground, failure};
 use crate::circle::CircleMap;
@@ -42,7 +43,8 @@ const ROUNDS: usize = 6;
 const BALANCED: f64 = 1e-9;
 
 /// Class and fluxes of a form with poles.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum PoleChoice {
     /// The most even form that a search from seeded starts finds, with no flux below a quarter of the
     /// largest one.

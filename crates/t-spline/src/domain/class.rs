@@ -1,8 +1,12 @@
 //! The form of a closed surface: which class of integer periods, and on which triangulation.
 
+use std::f64::consts::PI;
+
 use msplines_common::mesh::TriangleMesh;
-use msplines_conformal::{Atlas, FormChoice, HolomorphicBasis, HolomorphicForm};
+use msplines_common::progress::Observer;
+use msplines_conformal::{Atlas, FormChoice, HolomorphicBasis, HolomorphicForm, Uniformity};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::error::DomainError;
 use super::form::{PeriodicForm, Values};
@@ -16,17 +20,28 @@ const ENERGY: f64 = 0.06;
 const GAP: f64 = 0.1;
 const NEAR: f64 = 0.01;
 
+/// Directions of an even form that are rounded to classes, and the largest entry of these.
+const DIRECTIONS: u32 = 24;
+const LARGEST_ENTRY: i32 = 3;
+
+/// Classes that are improved entry by entry, and of which the levels are compared.
+const CLIMBERS: usize = 12;
+
 impl Domain {
     /// Lays out a closed surface of genus >= 1 by the best form of integer periods.
-    pub(super) fn closed(mesh: &TriangleMesh, options: &DomainOptions) -> Result<Self, DomainError> {
-        let basis = HolomorphicBasis::build(mesh)?;
+    pub(super) fn closed(
+        mesh: &TriangleMesh,
+        options: &DomainOptions,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, DomainError> {
+        let basis = HolomorphicBasis::build(mesh, observer)?;
         let ranked = ranked(&basis, mesh, &options.form)?;
         for form in &ranked {
             let on_mesh = basis.form_on_mesh(mesh, [&form.real, &form.imaginary]);
             let Ok(atlas) = Atlas::of_form(mesh, &on_mesh) else {
                 continue;
             };
-            if let Ok(domain) = Self::of_form(&unscaled(mesh, &on_mesh, &atlas), &options.snap) {
+            if let Ok(domain) = Self::of_form(&PeriodicForm::of_atlas(&atlas), &options.snap) {
                 return Ok(domain);
             }
         }
@@ -34,11 +49,8 @@ impl Domain {
             return Err(DomainError::RealPeriods);
         };
         let choice = FormChoice::IntegerPeriods(periods(&basis, &best.imaginary));
-        let found = Atlas::closed(mesh, &choice)?;
-        let parts = [&found.form.real, &found.form.imaginary];
-        let on_mesh = found.basis.form_on_mesh(&found.mesh, parts);
-        let given = unscaled(&found.mesh, &on_mesh, &found.atlas);
-        let mut domain = Self::of_form(&given, &options.snap)?;
+        let found = Atlas::closed(mesh, &choice, observer)?;
+        let mut domain = Self::of_form(&PeriodicForm::of_atlas(&found.atlas), &options.snap)?;
         domain.origins[mesh.vertex_count()..].fill(None);
         Ok(domain)
     }
@@ -50,66 +62,186 @@ fn ranked(
     mesh: &TriangleMesh,
     choice: &FormChoice,
 ) -> Result<Vec<HolomorphicForm>, DomainError> {
-    let forms = match choice {
+    match choice {
         FormChoice::Integer { .. } if basis.genus() == 1 => {
-            let imaginary = shortest(basis.gram());
-            return Ok(vec![HolomorphicForm {
-                real: -basis.conjugate(&imaginary),
-                imaginary,
-                log_variance: 0.0,
-            }]);
+            let shortest = shortest(basis.gram());
+            Ok(vec![Search::over(basis).form(&shortest)])
         }
-        FormChoice::Integer { .. } | FormChoice::IntegerPeriods(_) => choice.candidates(basis)?,
-        _ => return Err(DomainError::RealPeriods),
-    };
+        FormChoice::Integer { seed } => {
+            let forms = Search::over(basis).best(*seed)?;
+            Ok(by_gaps(forms, basis, mesh))
+        }
+        FormChoice::IntegerPeriods(_) => Ok(choice.candidates(basis)?),
+        _ => Err(DomainError::RealPeriods),
+    }
+}
+
+/// Adds the cost of near levels, and sorts by the sum.
+fn by_gaps(
+    forms: Vec<(f64, HolomorphicForm)>,
+    basis: &HolomorphicBasis,
+    mesh: &TriangleMesh,
+) -> Vec<HolomorphicForm> {
     let faces = basis.triangulation().faces.clone();
-    let Ok(delaunay) = TriangleMesh::build(mesh.positions().to_vec(), faces) else {
-        return Ok(forms);
-    };
-    let cost = |form: HolomorphicForm| {
-        let energy = form.imaginary.dot(&(basis.gram() * &form.imaginary));
+    let delaunay = TriangleMesh::build(mesh.positions().to_vec(), faces).ok();
+    let near = |form: &HolomorphicForm| {
         let given = PeriodicForm {
-            mesh: delaunay.clone(),
+            mesh: delaunay.clone()?,
             form: basis.form([&form.real, &form.imaginary]),
             ends: Vec::new(),
         };
-        let levels = Values::integrate(&given).and_then(|v| Levels::find(&given.mesh, &v));
-        // A form without levels is tried last.
-        let near = match levels {
-            Ok(levels) if levels.least_gap() >= NEAR => 0.0,
-            Ok(_) => GAP,
-            Err(_) => f64::INFINITY,
-        };
-        (form.log_variance + ENERGY * energy.ln() + near, form)
+        let values = Values::integrate(&given).ok()?;
+        let gap = Levels::find(&given.mesh, &values).ok()?.least_gap();
+        Some(if gap < NEAR { GAP } else { 0.0 })
     };
-    let mut ranked: Vec<(f64, HolomorphicForm)> = forms.into_iter().map(cost).collect();
-    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(ranked.into_iter().map(|(_, form)| form).collect())
+    let mut forms: Vec<(f64, HolomorphicForm)> = (forms.into_par_iter())
+        // A form without levels is tried last.
+        .map(|(cost, form)| (cost + near(&form).unwrap_or(f64::INFINITY), form))
+        .collect();
+    forms.sort_by(|a, b| a.0.total_cmp(&b.0));
+    forms.into_iter().map(|(_, form)| form).collect()
 }
 
-/// The shortest class of a torus in the energy norm, by Gauss's reduction; its first entry that is not
-/// zero is positive.
-fn shortest(gram: &DMatrix<f64>) -> DVector<f64> {
-    let dot = |a: &DVector<f64>, b: &DVector<f64>| a.dot(&(gram * b));
-    let mut short = DVector::from_vec(vec![1.0, 0.0]);
-    let mut long = DVector::from_vec(vec![0.0, 1.0]);
+/// A search for integer classes that are even and short.
+struct Search<'a> {
+    basis: &'a HolomorphicBasis,
+    measure: Uniformity,
+}
+
+impl<'a> Search<'a> {
+    fn over(basis: &'a HolomorphicBasis) -> Self {
+        Self {
+            basis,
+            measure: Uniformity::sample(basis),
+        }
+    }
+
+    /// The form whose imaginary part is of a class; its real part is minus the conjugate.
+    fn form(&self, class: &[i64]) -> HolomorphicForm {
+        let imaginary = vector(class);
+        let real = -self.basis.conjugate(&imaginary);
+        HolomorphicForm {
+            log_variance: self.measure.variance(&real),
+            real,
+            imaginary,
+        }
+    }
+
+    fn cost(&self, class: &[i64]) -> f64 {
+        let n = vector(class);
+        let energy = n.dot(&(self.basis.gram() * &n));
+        self.measure.variance(&-self.basis.conjugate(&n)) + ENERGY * energy.ln()
+    }
+
+    /// The best classes with their costs, best first: from classes of one and two handles, and from
+    /// those that the most even real forms round to, changed entry by entry while that helps.
+    fn best(&self, seed: u64) -> Result<Vec<(f64, HolomorphicForm)>, DomainError> {
+        let classes = self.basis.classes();
+        let mut tried: Vec<Vec<i64>> = Vec::new();
+        for i in 0..classes {
+            let unit = |k: usize, n: i64| (0..classes).map(move |j| if j == k { n } else { 0 });
+            tried.push(unit(i, 1).collect());
+            for (j, sign) in (0..i).flat_map(|j| [(j, 1), (j, -1)]) {
+                tried.push(unit(j, 1).zip(unit(i, sign)).map(|(a, b)| a + b).collect());
+            }
+        }
+        for form in (FormChoice::Optimal { seed }).candidates(self.basis)? {
+            for direction in 0..DIRECTIONS {
+                let angle = PI * f64::from(direction) / f64::from(DIRECTIONS);
+                let turned = &form.imaginary * angle.cos() + &form.real * angle.sin();
+                let scale = turned.amax();
+                let rounded = (1..=LARGEST_ENTRY).map(|largest| {
+                    let entries = turned.iter().map(|n| n / scale * f64::from(largest));
+                    primitive(entries.map(|n| n.round() as i64).collect())
+                });
+                tried.extend(rounded);
+            }
+        }
+        tried.sort_unstable();
+        tried.dedup();
+        let ranked = tried
+            .into_par_iter()
+            .map(|class| (self.cost(&class), class));
+        let ranked = sorted(ranked.collect(), CLIMBERS);
+        let climbed = ranked.into_par_iter().map(|start| self.climb(start));
+        let best = sorted(climbed.collect(), CLIMBERS);
+        Ok(best
+            .into_iter()
+            .map(|(cost, class)| (cost, self.form(&class)))
+            .collect())
+    }
+
+    /// Changes one entry by one while that helps.
+    fn climb(&self, start: (f64, Vec<i64>)) -> (f64, Vec<i64>) {
+        let (mut best, mut class) = start;
+        loop {
+            let before = best;
+            for (entry, step) in (0..class.len()).flat_map(|entry| [(entry, -1), (entry, 1)]) {
+                let mut changed = class.clone();
+                changed[entry] += step;
+                if changed.iter().all(|&n| n == 0) {
+                    continue;
+                }
+                let changed = primitive(changed);
+                let cost = self.cost(&changed);
+                if cost < best {
+                    (best, class) = (cost, changed);
+                }
+            }
+            if best >= before {
+                return (best, class);
+            }
+        }
+    }
+}
+
+/// The first of all, best first, each once.
+fn sorted(mut classes: Vec<(f64, Vec<i64>)>, count: usize) -> Vec<(f64, Vec<i64>)> {
+    classes.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));
+    classes.dedup_by(|a, b| a.1 == b.1);
+    classes.truncate(count);
+    classes
+}
+
+fn vector(class: &[i64]) -> DVector<f64> {
+    DVector::from_iterator(class.len(), class.iter().map(|&n| n as f64))
+}
+
+/// Divides a class by the greatest common divisor of its entries, and makes the first one that is not
+/// zero positive.
+fn primitive(class: Vec<i64>) -> Vec<i64> {
+    let divisor = class
+        .iter()
+        .fold(0, |a, &b| greatest_common_divisor(a, b.abs()));
+    let first = class.iter().find(|&&n| n != 0).map_or(1, |n| n.signum());
+    let divisor = first * divisor.max(1);
+    class.into_iter().map(|n| n / divisor).collect()
+}
+
+fn greatest_common_divisor(a: i64, b: i64) -> i64 {
+    if b == 0 {
+        a
+    } else {
+        greatest_common_divisor(b, a % b)
+    }
+}
+
+/// The shortest class of a torus in the energy norm, by Gauss's reduction.
+fn shortest(gram: &DMatrix<f64>) -> Vec<i64> {
+    let dot = |a: &[i64], b: &[i64]| vector(a).dot(&(gram * vector(b)));
+    let (mut short, mut long) = (vec![1, 0], vec![0, 1]);
     loop {
         if dot(&long, &long) < dot(&short, &short) {
             std::mem::swap(&mut short, &mut long);
         }
-        let times = (dot(&short, &long) / dot(&short, &short)).round();
-        // Energies that are no numbers end here as well.
-        if !(times.abs() >= 1.0) {
-            break;
-        }
-        let reduced = &long - times * &short;
-        if !(dot(&reduced, &reduced) < dot(&long, &long)) {
-            break;
+        let times = (dot(&short, &long) / dot(&short, &short)).round() as i64;
+        let reduced: Vec<i64> = (0..2).map(|k| long[k] - times * short[k]).collect();
+        // Rounding may find two that are as long better by turns.
+        if times == 0 || dot(&reduced, &reduced) >= dot(&long, &long) {
+            return primitive(short);
         }
         long = reduced;
     }
-    let first = short.iter().copied().find(|&n| n != 0.0);
-    if first.is_some_and(|n| n < 0.0) { -short } else { short }
 }
 
 /// Periods of a closed form with these coefficients.
@@ -118,22 +250,10 @@ fn periods(basis: &HolomorphicBasis, coefficients: &DVector<f64>) -> Vec<i64> {
         let terms = row.iter().zip(coefficients.iter());
         terms.map(|(&n, &c)| n * c.round() as i64).sum()
     };
-    basis.homology().integer_periods().iter().map(period).collect()
-}
-
-/// The form on the mesh of an atlas, with the periods of the form it was made of: the integral of the
-/// area form is the same on every triangulation.
-fn unscaled(mesh: &TriangleMesh, on_mesh: &[[f64; 2]], atlas: &Atlas) -> PeriodicForm {
-    debug_assert_eq!(3 * mesh.face_count(), on_mesh.len());
-    let scale = (doubled_area(on_mesh) / doubled_area(atlas.form())).sqrt();
-    PeriodicForm {
-        mesh: atlas.mesh().clone(),
-        form: atlas.form().iter().map(|v| v.map(|x| x * scale)).collect(),
-        ends: Vec::new(),
-    }
-}
-
-fn doubled_area(form: &[[f64; 2]]) -> f64 {
-    let faces = form.as_chunks::<3>().0.iter();
-    faces.map(|[a, b, _]| a[0] * b[1] - a[1] * b[0]).sum()
+    basis
+        .homology()
+        .integer_periods()
+        .iter()
+        .map(period)
+        .collect()
 }

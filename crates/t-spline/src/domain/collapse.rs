@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use super::tables::{Joint, Tables};
 
-/// What counts as thin and near, each as a share of the circumference.
+/// What counts as thin and near, each as a share of the root of the area of the complex: a grid of 2500
+/// square cells has cells of 0.02 of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SnapOptions {
@@ -22,16 +23,19 @@ pub struct SnapOptions {
     /// Length of a joint below which a collapse is not made: it would leave a double zero.
     pub sliver: f64,
     /// Distance in `u` of a zero on the top from one on the bottom below which the cylinder is twisted
-    /// so that it vanishes.
+    /// so that it vanishes; a cylinder is never sheared by more than a quarter.
     pub twist: f64,
 }
+
+/// Largest turn of a top over the height.
+const SHEAR: f64 = 0.25;
 
 impl Default for SnapOptions {
     fn default() -> Self {
         Self {
-            thin: 0.02,
-            sliver: 0.02,
-            twist: 0.02,
+            thin: 0.01,
+            sliver: 0.01,
+            twist: 0.01,
         }
     }
 }
@@ -63,34 +67,35 @@ pub(super) fn snap(tables: Tables, options: &SnapOptions) -> Snapped {
         collapsed: vec![None; count],
         shears: vec![0; count],
     };
+    let areas = snapped
+        .tables
+        .heights
+        .iter()
+        .zip(&snapped.tables.circumferences);
+    let area: f64 = areas.map(|(&h, &c)| h as f64 * c as f64).sum();
+    let least = |share: f64| share * area.sqrt();
     let mut refused = vec![false; count];
-    while let Some(cylinder) = snapped.thinnest(&refused, options) {
-        refused[cylinder as usize] = !snapped.collapse(cylinder, options);
+    while let Some(cylinder) = snapped.thinnest(&refused, least(options.thin)) {
+        refused[cylinder as usize] = !snapped.collapse(cylinder, least(options.sliver));
     }
     for cylinder in 0..count as u32 {
-        snapped.straighten(cylinder, options);
+        snapped.straighten(cylinder, least(options.twist));
     }
     snapped
 }
 
 impl Snapped {
-    fn thinnest(&self, refused: &[bool], options: &SnapOptions) -> Option<u32> {
-        let Tables {
-            heights,
-            circumferences,
-            ..
-        } = &self.tables;
-        let is_thin = |&c: &usize| {
-            let share = heights[c] as f64 / circumferences[c] as f64;
-            self.collapsed[c].is_none() && !refused[c] && share < options.thin
-        };
+    fn thinnest(&self, refused: &[bool], thin: f64) -> Option<u32> {
+        let heights = &self.tables.heights;
+        let is_thin =
+            |&c: &usize| self.collapsed[c].is_none() && !refused[c] && (heights[c] as f64) < thin;
         let thin = (0..heights.len()).filter(is_thin);
         thin.min_by_key(|&c| (heights[c], c)).map(|c| c as u32)
     }
 
     /// Collapses a cylinder, with those that lie beside it between the same two graphs; returns whether
     /// that was possible.
-    fn collapse(&mut self, cylinder: u32, options: &SnapOptions) -> bool {
+    fn collapse(&mut self, cylinder: u32, sliver: f64) -> bool {
         let graphs = self.graphs();
         let [bottom, top] = graphs[cylinder as usize];
         let is_end = |top: bool| {
@@ -114,7 +119,7 @@ impl Snapped {
             if !is_beside || tables.heights[gone as usize] < 0 {
                 return false;
             }
-            let Some(rows) = overlay(&mut tables, gone, options) else {
+            let Some(rows) = overlay(&mut tables, gone, sliver) else {
                 return false;
             };
             collapsed[gone as usize] = Some(rows);
@@ -136,7 +141,8 @@ impl Snapped {
                 _ => 0,
             };
             let own = heights.iter().zip(graphs);
-            own.map(|(height, own)| height + rise(own[1]) - rise(own[0])).collect()
+            own.map(|(height, own)| height + rise(own[1]) - rise(own[0]))
+                .collect()
         };
         let likeness = |after: &[i64]| {
             let is_other = |c: &usize| self.collapsed[*c].is_none() && graphs[*c] != [bottom, top];
@@ -152,7 +158,9 @@ impl Snapped {
         });
         let [first, ways @ ..] = ways;
         // The first one of equals.
-        ways.into_iter().fold(first, |best, way| if way.0 > best.0 { way } else { best }).1
+        ways.into_iter()
+            .fold(first, |best, way| if way.0 > best.0 { way } else { best })
+            .1
     }
 
     /// For each cylinder the critical graphs of its bottom and top: borders that joints connect.
@@ -178,7 +186,7 @@ impl Snapped {
     }
 
     /// Turns the top of a cylinder so that its zero nearest to one of the bottom lies above it.
-    fn straighten(&mut self, cylinder: u32, options: &SnapOptions) {
+    fn straighten(&mut self, cylinder: u32, near: f64) {
         let size = self.tables.circumferences[cylinder as usize];
         let zeros = |top: bool| {
             let along = self.tables.along(cylinder, top);
@@ -194,12 +202,17 @@ impl Snapped {
         let is_glued = |joint: &Joint| joint.below.is_some_and(|below| below.0 == cylinder);
         if self.collapsed[cylinder as usize].is_some()
             || turn == 0
-            || turn.abs() as f64 >= options.twist * size as f64
+            || turn.abs() as f64 >= near.min(SHEAR * self.tables.heights[cylinder as usize] as f64)
         {
             return;
         }
         self.shears[cylinder as usize] = turn;
-        for joint in self.tables.joints.iter_mut().filter(|joint| is_glued(joint)) {
+        for joint in self
+            .tables
+            .joints
+            .iter_mut()
+            .filter(|joint| is_glued(joint))
+        {
             joint.below = joint
                 .below
                 .map(|(c, start)| (c, (start + turn).rem_euclid(size)));
@@ -208,9 +221,8 @@ impl Snapped {
 }
 
 /// Lays the top of a cylinder on its bottom; nothing if that leaves a sliver between two zeros.
-fn overlay(tables: &mut Tables, cylinder: u32, options: &SnapOptions) -> Option<Vec<Row>> {
+fn overlay(tables: &mut Tables, cylinder: u32, sliver: f64) -> Option<Vec<Row>> {
     let size = tables.circumferences[cylinder as usize];
-    let least = options.sliver * size as f64;
     let (mut rows, mut joined) = (Vec::new(), Vec::new());
     for (low, low_start) in tables.along(cylinder, false) {
         for (high, high_start) in tables.along(cylinder, true) {
@@ -222,7 +234,7 @@ fn overlay(tables: &mut Tables, cylinder: u32, options: &SnapOptions) -> Option<
                 if end <= start {
                     continue;
                 }
-                if low_start == high_start || ((end - start) as f64) < least {
+                if low_start == high_start || ((end - start) as f64) < sliver {
                     return None;
                 }
                 let (from, from_start) = below.below?;
@@ -234,7 +246,11 @@ fn overlay(tables: &mut Tables, cylinder: u32, options: &SnapOptions) -> Option<
                     below: Some((from, within(from, from_start + start - low_start))),
                     above: Some((to, there)),
                     length,
-                    zero: if start == low_start { below.zero } else { above.zero },
+                    zero: if start == low_start {
+                        below.zero
+                    } else {
+                        above.zero
+                    },
                     end: None,
                 });
                 rows.push(Row {

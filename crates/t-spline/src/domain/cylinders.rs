@@ -245,8 +245,7 @@ fn sides(sheets: &Sheets, charts: &[Chart], run: &Trajectory) -> [Option<Chart>;
 
 fn link(sheets: &Sheets, charts: &[Chart], run: &Trajectory) -> Link {
     let u = sheets.frame(run.face).u[run.corner];
-    let [below, above] =
-        sides(sheets, charts, run).map(|side| side.map(|c| (c.cylinder, c.u + u)));
+    let [below, above] = sides(sheets, charts, run).map(|side| side.map(|c| (c.cylinder, c.u + u)));
     Link {
         critical: run.critical,
         length: run.length,

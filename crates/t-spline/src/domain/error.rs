@@ -32,19 +32,19 @@ pub enum DomainError {
         defect: f64,
     },
     /// A form that was not chosen for its integer periods.
-    #[error("the choice of the form leaves its periods real; choose `integer` or `integer_periods`")]
-    RealPeriods,
-    /// A surface of a kind that has no form here.
     #[error(
-        "a surface of genus {genus} with {loops} boundary loops, poles among them, has no form here; {remedy}"
+        "the choice of the form leaves its periods real; choose `integer` or `integer_periods`"
+    )]
+    RealPeriods,
+    /// A surface with too few loops for a form.
+    #[error(
+        "a surface of genus {genus} with {loops} boundary loops and poles has no form with closed trajectories here; name vertices as poles until there are two loops, or fill its only one"
     )]
     Kind {
         /// Number of handles.
         genus: u32,
-        /// Number of boundary loops after the stars of poles were removed.
+        /// Number of boundary loops and poles.
         loops: usize,
-        /// What to do.
-        remedy: &'static str,
     },
     /// The imaginary part is not constant along a boundary loop.
     #[error(

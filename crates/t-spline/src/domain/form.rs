@@ -7,6 +7,7 @@
 use std::collections::VecDeque;
 
 use msplines_common::mesh::{NONE, Topology, TriangleMesh};
+use msplines_conformal::Atlas;
 use serde::{Deserialize, Serialize};
 
 use super::error::DomainError;
@@ -39,6 +40,20 @@ pub struct PeriodicForm {
     /// What lies beyond each boundary loop, in the order of
     /// [`Topology::boundary_loops`](msplines_common::mesh::Topology::boundary_loops).
     pub ends: Vec<End>,
+}
+
+impl PeriodicForm {
+    /// Returns the form of an atlas in the scale in which its imaginary part has integer periods.
+    pub(super) fn of_atlas(atlas: &Atlas) -> Self {
+        let scale = atlas.scale_factor();
+        Self {
+            mesh: atlas.mesh().clone(),
+            form: (atlas.form().iter())
+                .map(|v| v.map(|x| x / scale))
+                .collect(),
+            ends: Vec::new(),
+        }
+    }
 }
 
 /// `v` at the vertices, in whole units.
@@ -105,7 +120,12 @@ impl Values {
             self.lifts[half_edge as usize] = beyond.round() as i32;
         }
         let is_closed = |sides: &[i32; 3]| sides.iter().sum::<i32>() == 0;
-        let open = self.lifts.as_chunks::<3>().0.iter().position(|s| !is_closed(s));
+        let open = self
+            .lifts
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .position(|s| !is_closed(s));
         if let Some(face) = open {
             worst = given.mesh.faces()[face][0];
             self.defect = self.defect.max(1.0);
@@ -141,7 +161,10 @@ fn check_counts(given: &PeriodicForm, loops: &[Vec<u32>]) -> Result<(), DomainEr
 fn along_tree(topology: &Topology, form: &[[f64; 2]]) -> Vec<i64> {
     let units = |half_edge: u32| (form[half_edge as usize][1] * ONE as f64).round() as i64;
     let mut of = vec![-1_i64; topology.vertex_count()];
-    let root = topology.boundary_loops().first().map_or(0, |l| topology.origin(l[0]));
+    let root = topology
+        .boundary_loops()
+        .first()
+        .map_or(0, |l| topology.origin(l[0]));
     let mut queue = VecDeque::from([root]);
     if let Some(value) = of.get_mut(root as usize) {
         *value = 0;

@@ -186,7 +186,9 @@ fn check_count(
     }
     let flat = topology.faces().iter().position(|corners| {
         let rank = |v: u32| values.ranks[v as usize];
-        corners.iter().all(|&v| topology.is_boundary_vertex(v) && rank(v) == rank(corners[0]))
+        corners
+            .iter()
+            .all(|&v| topology.is_boundary_vertex(v) && rank(v) == rank(corners[0]))
     });
     match flat {
         Some(face) => Err(DomainError::FlatFace { face: face as u32 }),

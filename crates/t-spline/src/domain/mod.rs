@@ -14,7 +14,6 @@
 //! [He2006] §3.2. Deviation: levels are compared in whole numbers and near ones made equal afterwards;
 //! lengths along trajectories are rounded as a flow.
 
-mod bounded;
 mod class;
 mod collapse;
 mod cylinders;
@@ -22,6 +21,7 @@ mod error;
 mod form;
 mod levels;
 mod place;
+mod poled;
 mod rounding;
 mod sheet;
 mod tables;
@@ -31,6 +31,7 @@ mod trace;
 
 use msplines_common::mesh::{Facts, TriangleMesh};
 use msplines_conformal::FormChoice;
+use msplines_conformal::poles::PoleChoice;
 use serde::{Deserialize, Serialize};
 
 pub use collapse::SnapOptions;
@@ -38,7 +39,7 @@ pub use error::DomainError;
 pub use form::{End, PeriodicForm};
 pub use place::Patch;
 
-use crate::complex::CylinderComplex;
+use crate::complex::{CylinderComplex, UNITS};
 use cylinders::{Chart, Cylinders};
 use form::Values;
 use levels::{Critical, Levels};
@@ -54,6 +55,8 @@ pub struct DomainOptions {
     pub form: FormChoice,
     /// Vertices around which cylinders close; their stars are removed.
     pub poles: Vec<u32>,
+    /// The form of a surface with boundary loops and poles.
+    pub pole_form: PoleChoice,
     /// What counts as thin and near.
     pub snap: SnapOptions,
 }
@@ -63,6 +66,7 @@ impl Default for DomainOptions {
         Self {
             form: FormChoice::Integer { seed: 0 },
             poles: Vec::new(),
+            pole_form: PoleChoice::default(),
             snap: SnapOptions::default(),
         }
     }
@@ -101,8 +105,10 @@ pub struct DomainReport {
     pub closure: f64,
     /// Sum of `C H` over the integral of the area form, less 1, before rounding.
     pub area_defect: f64,
-    /// Least height over circumference of a cylinder of the complex.
-    pub least_aspect: f64,
+    /// The area of the complex, 1 being the square of a period: `∫ |ω|²`.
+    pub energy: f64,
+    /// Least height of a cylinder of the complex over the root of its area.
+    pub least_height: f64,
 }
 
 /// Cylinders, and the mesh that lies on them.
@@ -137,9 +143,12 @@ impl Domain {
             .collect();
         let complex = snapped.tables.complex(&names, &given.ends)?;
         let zeros = zeros(&sheets.levels);
-        let aspects: Vec<f64> = (complex.cylinders().iter())
-            .map(|c| c.height as f64 / c.circumference as f64)
-            .collect();
+        let area = complex.area() as f64;
+        let heights = complex
+            .cylinders()
+            .iter()
+            .map(|c| c.height as f64 / area.sqrt());
+        let heights: Vec<f64> = heights.collect();
         let facts = Facts::measure(&given.mesh);
         let report = DomainReport {
             genus: facts.genus.unwrap_or(0),
@@ -147,12 +156,13 @@ impl Domain {
             zeros: zeros.iter().map(|zero| zero.order).sum(),
             cylinders: real.cylinders.len(),
             collapsed: snapped.collapsed.iter().flatten().count(),
-            thin: aspects.iter().filter(|&&aspect| aspect < snap.thin).count(),
+            thin: heights.iter().filter(|&&height| height < snap.thin).count(),
             straightened: snapped.shears.iter().filter(|&&shear| shear != 0).count(),
             period_defect: sheets.values.defect,
             closure: real.closure,
             area_defect: real.area_defect,
-            least_aspect: aspects.iter().copied().fold(f64::INFINITY, f64::min),
+            energy: area / (UNITS * UNITS),
+            least_height: heights.iter().copied().fold(f64::INFINITY, f64::min),
         };
         Ok(Self {
             layouts: place::layouts(&sheets, &real, &snapped, &names),

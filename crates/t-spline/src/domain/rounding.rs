@@ -69,10 +69,16 @@ fn place(real: &Cylinders, tables: &mut Tables) {
         let scale = size as f64 / real.cylinders[cylinder as usize].circumference;
         for top in [false, true] {
             let along = real.along(cylinder, top);
-            let mut start = along.first().map_or(0, |first| (first.1 * scale).round() as i64);
+            let mut start = along
+                .first()
+                .map_or(0, |first| (first.1 * scale).round() as i64);
             for (joint, _) in along {
                 let joint = &mut tables.joints[joint];
-                let side = if top { &mut joint.below } else { &mut joint.above };
+                let side = if top {
+                    &mut joint.below
+                } else {
+                    &mut joint.above
+                };
                 *side = Some((cylinder, start.rem_euclid(size)));
                 start += joint.length;
             }
@@ -101,7 +107,11 @@ fn flow(real: &Cylinders) -> Vec<i64> {
             excess += length * (i64::from(above == here) - i64::from(below == here));
         }
         // The parent's own length is in the sum, with its sign.
-        lengths[parent] += if ends[parent][0] == here { excess } else { -excess };
+        lengths[parent] += if ends[parent][0] == here {
+            excess
+        } else {
+            -excess
+        };
     }
     lengths
 }
@@ -111,7 +121,8 @@ fn tree(real: &Cylinders, ends: &[[usize; 2]]) -> (Vec<usize>, Vec<Option<usize>
     let mut parents = vec![None; real.cylinders.len() + 1];
     let mut order = vec![0];
     loop {
-        let reaches = |&[below, above]: &[usize; 2]| order.contains(&below) != order.contains(&above);
+        let reaches =
+            |&[below, above]: &[usize; 2]| order.contains(&below) != order.contains(&above);
         let longest = (0..ends.len())
             .filter(|&link| reaches(&ends[link]))
             .max_by(|&a, &b| real.links[a].length.total_cmp(&real.links[b].length));

@@ -37,7 +37,8 @@ impl Tables {
         let joints = self.joints.iter().enumerate();
         joints.filter_map(move |(index, joint)| {
             let side = if top { joint.below } else { joint.above };
-            side.filter(|side| side.0 == cylinder).map(|side| (index, side.1))
+            side.filter(|side| side.0 == cylinder)
+                .map(|side| (index, side.1))
         })
     }
 
@@ -46,7 +47,10 @@ impl Tables {
         let short = self.joints.iter().find(|joint| joint.length <= 0);
         let short = short.and_then(|joint| joint.above.or(joint.below));
         let low = self.heights.iter().position(|&height| height < 0);
-        match short.map(|side| side.0).or(low.map(|cylinder| cylinder as u32)) {
+        match short
+            .map(|side| side.0)
+            .or(low.map(|cylinder| cylinder as u32))
+        {
             Some(cylinder) => Err(self.thin(cylinder)),
             None => Ok(()),
         }

@@ -25,7 +25,10 @@ fn lattice(width: f64, skew: f64) -> PeriodicForm {
         }
     }
     let positions = shapes::torus(2.0, 1.0, 192).positions().to_vec();
-    let positions = positions.into_iter().cycle().take((columns * rows) as usize);
+    let positions = positions
+        .into_iter()
+        .cycle()
+        .take((columns * rows) as usize);
     PeriodicForm {
         mesh: TriangleMesh::build(positions.collect(), faces).expect("a torus"),
         form,
@@ -50,7 +53,11 @@ fn skewed_lattices_are_twists() {
             panic!("glued to itself")
         };
         let twist = (-skew).rem_euclid(width);
-        assert!((start as f64 / UNITS - twist).abs() < 1e-13, "{} {twist}", start as f64 / UNITS);
+        assert!(
+            (start as f64 / UNITS - twist).abs() < 1e-13,
+            "{} {twist}",
+            start as f64 / UNITS
+        );
         assert!(farthest_jump(&domain) < 20.0 && farthest_vertex(&domain) < 20.0);
     }
 }

@@ -45,7 +45,10 @@ fn farthest_jump(domain: &Domain) -> f64 {
             };
             let [a, b] = [on(half_edge, share), on(twin, 1.0 - share)];
             let apart = distance(domain, a, b);
-            assert!(apart.is_finite(), "edge of half-edge {half_edge}: {a:?} and {b:?}");
+            assert!(
+                apart.is_finite(),
+                "edge of half-edge {half_edge}: {a:?} and {b:?}"
+            );
             farthest = farthest.max(apart);
         }
     }

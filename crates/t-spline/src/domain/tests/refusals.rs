@@ -1,6 +1,7 @@
 //! What is refused, and in which words.
 
 use msplines_common::mesh::shapes;
+use msplines_common::progress::unobserved;
 use msplines_conformal::FormChoice;
 
 use crate::domain::{Domain, DomainError, DomainOptions, End, PeriodicForm, SnapOptions};
@@ -42,7 +43,10 @@ fn forms_without_levels_are_refused_by_name() {
     let mut ends = exact(|p| [p[0], p[2]]);
     ends.ends.push(End::Boundary);
     let error = refused(&ends).to_string();
-    assert!(error.contains("1 ends of boundary loops are given where the mesh has 0"), "{error}");
+    assert!(
+        error.contains("1 ends of boundary loops are given where the mesh has 0"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -51,12 +55,20 @@ fn surfaces_and_choices_without_closed_trajectories_are_refused() {
         form: FormChoice::default(),
         ..DomainOptions::default()
     };
-    let error = Domain::of_surface(&shapes::torus(1.0, 0.4, 300), &real).expect_err("real");
+    let error = Domain::of_surface(&shapes::torus(1.0, 0.4, 300), &real, &mut unobserved())
+        .expect_err("real");
     assert_eq!(error, DomainError::RealPeriods);
     assert!(error.to_string().contains("integer"));
-    let error = Domain::of_surface(&shapes::sphere(300), &DomainOptions::default());
+    let error = Domain::of_surface(
+        &shapes::sphere(300),
+        &DomainOptions::default(),
+        &mut unobserved(),
+    );
     let error = error.expect_err("no pole");
-    assert!(error.to_string().contains("name vertices as poles"), "{error}");
+    assert!(
+        error.to_string().contains("name vertices as poles"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -64,8 +76,7 @@ fn a_loop_must_lie_on_one_level() {
     let mesh = shapes::cylinder(300);
     let topology = mesh.topology();
     let along = |h: u32| {
-        let [a, b] =
-            [topology.origin(h), topology.target(h)].map(|v| mesh.positions()[v as usize]);
+        let [a, b] = [topology.origin(h), topology.target(h)].map(|v| mesh.positions()[v as usize]);
         [b.y - a.y, (b.z - a.z) + 0.1 * (b.x - a.x)]
     };
     let given = PeriodicForm {
@@ -74,5 +85,8 @@ fn a_loop_must_lie_on_one_level() {
         mesh: mesh.clone(),
     };
     let error = refused(&given);
-    assert!(matches!(error, DomainError::LoopNotLevel { boundary: 0, .. }), "{error}");
+    assert!(
+        matches!(error, DomainError::LoopNotLevel { boundary: 0, .. }),
+        "{error}"
+    );
 }

@@ -1,6 +1,7 @@
 //! Cylinders of generated surfaces.
 
 use msplines_common::mesh::{SurfacePoint, TriangleMesh, shapes};
+use msplines_common::progress::unobserved;
 
 use crate::complex::{Beyond, Border, Point};
 use crate::domain::{Domain, DomainOptions, End, SnapOptions};
@@ -24,13 +25,16 @@ fn cut(mesh: &TriangleMesh, poles: &[u32], snap: SnapOptions) -> Domain {
         snap,
         ..DomainOptions::default()
     };
-    Domain::of_surface(mesh, &options).expect("a domain")
+    Domain::of_surface(mesh, &options, &mut unobserved()).expect("a domain")
 }
 
 /// Checks what holds on every domain.
 fn check(domain: &Domain) {
     let (jump, vertex) = (farthest_jump(domain), farthest_vertex(domain));
-    assert!(jump < ROUNDING && vertex < ROUNDING, "{jump}, {vertex} units");
+    assert!(
+        jump < ROUNDING && vertex < ROUNDING,
+        "{jump}, {vertex} units"
+    );
     let report = domain.report();
     assert!(report.closure < 1e-12 && report.area_defect.abs() < 1e-12);
     let (genus, ends) = (i64::from(report.genus), report.ends as i64);
@@ -63,7 +67,10 @@ fn check_zeros(domain: &Domain) {
             let named = corners.iter().filter(|corner| corner.0 == zero);
             let apart = named.map(|corner| distance(domain, placed, corner.1));
             let nearest = apart.fold(f64::INFINITY, f64::min);
-            assert!(nearest < ROUNDING, "zero {zero} is {nearest} units from the tables");
+            assert!(
+                nearest < ROUNDING,
+                "zero {zero} is {nearest} units from the tables"
+            );
         }
     }
 }
@@ -79,7 +86,17 @@ fn a_torus_is_one_cylinder_glued_to_itself() {
     assert_eq!(own.height, 1 << 44);
     assert_eq!((own.bottom[0].start, own.bottom.len()), (0, 1));
     let first = domain.vertex(0);
-    assert!(distance(&domain, first, Point { cylinder: 0, x: 0.0, y: 0.0 }) < 1.0);
+    assert!(
+        distance(
+            &domain,
+            first,
+            Point {
+                cylinder: 0,
+                x: 0.0,
+                y: 0.0
+            }
+        ) < 1.0
+    );
 }
 
 #[test]
@@ -94,7 +111,11 @@ fn handles_make_pairs_of_pants() {
         // What hangs on a graph that moves grows and shrinks alike.
         assert_eq!(plain.complex().area(), snapped.complex().area());
         let vertices = 0..mesh.vertex_count();
-        assert!(vertices.clone().all(|v| snapped.origins()[v] == Some(v as u32)));
+        assert!(
+            vertices
+                .clone()
+                .all(|v| snapped.origins()[v] == Some(v as u32))
+        );
     }
 }
 
@@ -107,9 +128,15 @@ fn two_poles_of_a_sphere_leave_one_cylinder_and_three_a_zero() {
             p.x * axis[0] + p.y * axis[1] + p.z * axis[2]
         };
         let vertices = 0..mesh.vertex_count() as u32;
-        vertices.max_by(|a, b| height(a).total_cmp(&height(b))).unwrap()
+        vertices
+            .max_by(|a, b| height(a).total_cmp(&height(b)))
+            .unwrap()
     };
-    let poles = [far([0.0, 0.0, 1.0]), far([0.0, 0.0, -1.0]), far([1.0, 0.1, 0.0])];
+    let poles = [
+        far([0.0, 0.0, 1.0]),
+        far([0.0, 0.0, -1.0]),
+        far([1.0, 0.1, 0.0]),
+    ];
     let domain = cut(&mesh, &poles[..2], SnapOptions::default());
     check(&domain);
     assert_eq!(domain.complex().cylinders().len(), 1);
@@ -123,10 +150,18 @@ fn two_poles_of_a_sphere_leave_one_cylinder_and_three_a_zero() {
             [] => End::Boundary,
         })
         .to_vec();
-    assert!(poles[..2].iter().all(|&pole| named.contains(&End::Pole(pole))), "{named:?}");
+    assert!(
+        poles[..2]
+            .iter()
+            .all(|&pole| named.contains(&End::Pole(pole))),
+        "{named:?}"
+    );
     let domain = cut(&mesh, &poles, PLAIN);
     check(&domain);
-    assert_eq!((domain.complex().cylinders().len(), domain.zeros().len()), (3, 1));
+    assert_eq!(
+        (domain.complex().cylinders().len(), domain.zeros().len()),
+        (3, 1)
+    );
 }
 
 #[test]
@@ -141,6 +176,9 @@ fn boundaries_are_borders() {
     let topology = domain.mesh().topology();
     for half_edge in topology.boundary_loops().into_iter().flatten() {
         let y = domain.vertex(topology.origin(half_edge)).y;
-        assert!(y == 0.0 || y == own.height as f64, "exactly on the border: {y}");
+        assert!(
+            y == 0.0 || y == own.height as f64,
+            "exactly on the border: {y}"
+        );
     }
 }
