@@ -65,7 +65,7 @@ fn jumps(spline: &TSpline, points: &[(Point, [f64; 2])]) -> [f64; 6] {
 }
 
 /// Roundings of values, first and second derivatives, of which the second are worst in thin columns.
-const C2: [f64; 6] = [1e-12, 1e-10, 1e-10, 1e-8, 1e-8, 1e-8];
+const C2: [f64; 6] = [1e-12, 1e-10, 1e-10, 1e-9, 1e-9, 1e-9];
 
 fn assert_c2(what: &str, spline: &TSpline, points: &[(Point, [f64; 2])]) {
     let found = jumps(spline, points);
