@@ -160,6 +160,34 @@ fn on_caps(spline: &TSpline, share: f64) -> Vec<(Point, [f64; 2])> {
 }
 
 #[test]
+fn surfaces_are_c2_over_the_borders_of_poles() {
+    let complex = open_cylinder(Beyond::Pole { index: 0 });
+    let own = &complex.cylinders()[0];
+    let [size, height] = [own.circumference as f64, own.height as f64];
+    for (seed, caps) in [(1, 1.0), (2, 0.5)] {
+        let spline = random_spline(&complex, 30, seed, caps);
+        let mut inner = on_leaves(&spline, seed);
+        for lines in &mut inner {
+            lines.retain(|(p, _)| p.y > 1e6);
+        }
+        assert_c2("vertical edges below a pole", &spline, &inner[0]);
+        assert_c2("horizontal edges below a pole", &spline, &inner[1]);
+        let rim = height - spline.space().caps().caps()[0].radius * UNITS;
+        // |w| = exp(-2 pi depth / C).
+        let core = rim + 2.5_f64.ln() / std::f64::consts::TAU * size;
+        for y in [rim, core] {
+            let circle = (0..100).map(|k| (f64::from(k) + 0.5) / 100.0 * size);
+            let circle = circle.map(|x| (Point { cylinder: 0, x, y }, [0.0, 1.0]));
+            assert_c2(
+                "circles around a pole",
+                &spline,
+                &circle.collect::<Vec<_>>(),
+            );
+        }
+    }
+}
+
+#[test]
 fn surfaces_are_c2_over_every_line() {
     for (seed, caps) in [(0, 1.0), (1, 0.1), (2, 0.1), (3, 0.5), (4, 0.1), (5, 1.0)] {
         let complex = surfaces_with_zeros().swap_remove(seed as usize % 4);
