@@ -372,6 +372,37 @@ fn grids_that_fit_nothing_are_named() {
 }
 
 #[test]
+fn grids_have_lines_through_zeros_and_between_them() {
+    for complex in surfaces_with_zeros() {
+        for columns in 1..12 {
+            let grid = Grid { columns, rows: 1 };
+            for own in complex.cylinders() {
+                let (xs, ys) = grid.lines(own);
+                let zeros = |border: &[Segment]| -> Vec<i64> {
+                    let marked = border.iter().filter(|s| s.zero.is_some());
+                    marked.map(|s| s.start).collect()
+                };
+                let (bottom, top) = (zeros(&own.bottom), zeros(&own.top));
+                assert!(xs.windows(2).all(|w| w[0] < w[1]));
+                assert_eq!((xs[0], xs[xs.len() - 1]), (0, own.circumference));
+                assert!(bottom.iter().chain(&top).all(|x| xs.contains(x)));
+                for (k, &zero) in bottom.iter().enumerate() {
+                    let next = bottom.get(k + 1).copied();
+                    let next = next.unwrap_or(bottom[0] + own.circumference);
+                    let turned = xs.iter().flat_map(|&x| [x, x + own.circumference]);
+                    assert!(turned.into_iter().any(|x| zero < x && x < next));
+                }
+                let facing = bottom.iter().any(|x| top.contains(x));
+                assert_eq!(ys.len(), if facing { 3 } else { 2 });
+                // Filling is even: no more than the lines asked for between those that must be.
+                let must = 2 + 2 * (bottom.len() + top.len());
+                assert!(xs.len() <= columns + 1 + must, "{} of {columns}", xs.len());
+            }
+        }
+    }
+}
+
+#[test]
 fn grids_have_about_the_cells_asked_for() {
     let complex = large_torus(0.3);
     let grid = Grid::of_cells(&complex.cylinders()[0], 60.0, 1.0);
