@@ -11,6 +11,8 @@
 pub mod blend;
 pub mod caps;
 pub mod complex;
+#[cfg(test)]
+mod samples;
 pub mod space;
 pub mod spline;
 pub mod support;

@@ -7,11 +7,11 @@ use msplines_common::evaluate::Order;
 use super::*;
 use crate::blend::tests::recursion;
 use crate::complex::{Beyond, CylinderComplex, Point};
-use crate::tmesh::Grid;
-use crate::tmesh::tests::{
-    Sequence, large_double_torus, large_torus, met, open_cylinder, random_mesh,
-    surfaces_with_zeros, unrolled,
+use crate::samples::{
+    Sequence, large_double_torus, large_torus, open_cylinder, random_mesh, surfaces_with_zeros,
 };
+use crate::tmesh::Grid;
+use crate::tmesh::tests::{met, unrolled};
 
 const GRID: Grid = Grid {
     columns: 5,
@@ -67,14 +67,14 @@ fn rows_are_a_partition_of_unity() {
                 caps.iter().any(|c| c.offset as usize == k)
             })
         };
-        for i in 0..points.len() {
+        for (i, point) in points.iter().enumerate() {
             let row = rows.row(i);
             let sum = |value: &dyn Fn(usize) -> f64| -> [f64; 2] {
                 let ones = (0..row.unknowns.len()).filter(|&k| constant(row.unknowns[k]));
                 ones.fold([0.0; 2], |[s, a], k| [s + value(k), a + value(k).abs()])
             };
             let [values, _] = sum(&|k| row.values[k]);
-            assert!((values - 1.0).abs() < 1e-13, "{:?} {values}", points[i]);
+            assert!((values - 1.0).abs() < 1e-13, "{point:?} {values}");
             for d in 0..2 {
                 let [first, size] = sum(&|k| row.first[k][d]);
                 assert!(first.abs() <= 1e-12 * (1.0 + size), "{first} of {size}");

@@ -7,10 +7,10 @@ use msplines_common::evaluate::Order;
 
 use super::*;
 use crate::complex::{Beyond, Border, CylinderComplex, UNITS};
-use crate::space::tests::{random_points, random_space};
-use crate::tmesh::tests::{
+use crate::samples::{
     Sequence, large_double_torus, large_torus, open_cylinder, surfaces_with_zeros,
 };
+use crate::space::tests::{random_points, random_space};
 
 fn random_spline(complex: &Arc<CylinderComplex>, splits: usize, seed: u64, caps: f64) -> TSpline {
     let mut space = random_space(complex, splits, seed);
