@@ -13,6 +13,8 @@ pub mod caps;
 pub mod complex;
 pub mod domain;
 pub mod fit;
+#[cfg(test)]
+mod samples;
 pub mod space;
 pub mod spline;
 pub mod support;

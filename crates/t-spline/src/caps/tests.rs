@@ -3,7 +3,7 @@
 use super::*;
 use crate::complex::tests::double_torus;
 use crate::complex::{Cylinder, Segment};
-use crate::tmesh::tests::{Sequence, large_double_torus, open_cylinder};
+use crate::samples::{Sequence, large_double_torus, open_cylinder};
 
 #[test]
 fn a_walk_around_a_zero_is_a_circle_in_its_cap() {

@@ -10,8 +10,6 @@
 
 mod rows;
 #[cfg(test)]
-mod speed;
-#[cfg(test)]
 pub(crate) mod tests;
 
 use rayon::prelude::*;

@@ -7,11 +7,11 @@ use msplines_common::evaluate::Order;
 use super::*;
 use crate::blend::tests::recursion;
 use crate::complex::{Beyond, CylinderComplex, Point};
-use crate::tmesh::Grid;
-use crate::tmesh::tests::{
-    Sequence, large_double_torus, large_torus, met, open_cylinder, random_mesh,
-    surfaces_with_zeros, unrolled,
+use crate::samples::{
+    Sequence, large_double_torus, large_torus, open_cylinder, random_mesh, surfaces_with_zeros,
 };
+use crate::tmesh::Grid;
+use crate::tmesh::tests::{met, unrolled};
 
 const GRID: Grid = Grid {
     columns: 5,
@@ -67,14 +67,14 @@ fn rows_are_a_partition_of_unity() {
                 caps.iter().any(|c| c.offset as usize == k)
             })
         };
-        for i in 0..points.len() {
+        for (i, point) in points.iter().enumerate() {
             let row = rows.row(i);
             let sum = |value: &dyn Fn(usize) -> f64| -> [f64; 2] {
                 let ones = (0..row.unknowns.len()).filter(|&k| constant(row.unknowns[k]));
                 ones.fold([0.0; 2], |[s, a], k| [s + value(k), a + value(k).abs()])
             };
             let [values, _] = sum(&|k| row.values[k]);
-            assert!((values - 1.0).abs() < 1e-13, "{:?} {values}", points[i]);
+            assert!((values - 1.0).abs() < 1e-13, "{point:?} {values}");
             for d in 0..2 {
                 let [first, size] = sum(&|k| row.first[k][d]);
                 assert!(first.abs() <= 1e-12 * (1.0 + size), "{first} of {size}");
@@ -87,27 +87,43 @@ fn rows_are_a_partition_of_unity() {
     }
 }
 
+/// Returns the least sum of functions outside of cores: at random, at anchors, and on lines above and
+/// below them, as above zeros nothing but what is anchored there is positive.
+fn least_sum(space: &TSplineSpace, seed: u64) -> f64 {
+    let complex = space.mesh().complex();
+    let mut points = random_points(complex, 3000, seed);
+    for f in space.functions() {
+        let height = complex.cylinders()[f.node.cylinder as usize].height as f64;
+        points.push(Point::from(f.node));
+        points.extend((0..20).map(|k| Point {
+            y: height * f64::from(k) / 19.0,
+            ..Point::from(f.node)
+        }));
+    }
+    points.retain(|&p| space.caps().at(p).is_none_or(|c| c.rest.0[0] > 0.0));
+    space
+        .sums(&points)
+        .into_iter()
+        .fold(f64::INFINITY, f64::min)
+}
+
 #[test]
 fn sums_are_positive_outside_of_cores() {
     for complex in surfaces() {
         for seed in 0..12 {
-            let space = random_space(&complex, 8 * seed, seed as u64);
-            let mut points = random_points(&complex, 3000, seed as u64);
-            points.extend(space.functions().iter().map(|f| Point::from(f.node)));
-            // Above and below zeros nothing but what is anchored there is positive.
-            for f in space.functions().to_vec() {
-                let own = &complex.cylinders()[f.node.cylinder as usize];
-                for y in 0..20 {
-                    points.push(Point {
-                        y: own.height as f64 * f64::from(y) / 19.0,
-                        ..Point::from(f.node)
-                    });
-                }
-            }
-            points.retain(|&p| space.caps().at(p).is_none_or(|c| c.phi.0[0] < 1.0));
-            let sums = space.sums(&points);
-            let least = sums.iter().copied().fold(f64::INFINITY, f64::min);
+            let least = least_sum(&random_space(&complex, 8 * seed, seed as u64), seed as u64);
             assert!(least > 1e-3, "{least} after {} splits", 8 * seed);
+        }
+        // The coarsest grids there are.
+        for columns in 1..4 {
+            let mesh = random_mesh(&complex, Grid { columns, rows: 1 }, 0, 0);
+            let space = TSplineSpace::build(mesh, &CapOptions::default()).expect("caps");
+            let least = least_sum(&space, 1);
+            assert!(
+                least > 1e-4,
+                "{least} with {columns} columns, {:?}",
+                complex.cylinders()
+            );
         }
     }
 }

@@ -1,4 +1,37 @@
 //! T-splines: control points on a space.
+//!
+//! ```
+//! use std::f64::consts::TAU;
+//! use std::sync::Arc;
+//!
+//! use msplines_common::Vector3;
+//! use msplines_common::evaluate::Order;
+//! use msplines_t_spline::caps::CapOptions;
+//! use msplines_t_spline::complex::{CylinderComplex, Point};
+//! use msplines_t_spline::tmesh::{Axis, Grading, Grid, TMesh};
+//! use msplines_t_spline::{TSpline, TSplineSpace};
+//!
+//! // A torus of 1 by 1 in units of 2^-44, with 8 by 8 faces, of which one is split.
+//! let one = 1_i64 << 44;
+//! let complex = Arc::new(CylinderComplex::torus(one, one, 0)?);
+//! let grid = Grid { columns: 8, rows: 8 };
+//! let mut mesh = TMesh::build(&complex, &[grid])?;
+//! mesh.refine(&[(5, Axis::Both)], &Grading::default());
+//! let space = Arc::new(TSplineSpace::build(mesh, &CapOptions::default())?);
+//! assert_eq!(space.unknowns(), 64 + 5);
+//! let control = space.functions().iter().map(|f| {
+//!     let [a, b] = [f.node.x, f.node.y].map(|c| c as f64 / one as f64 * TAU);
+//!     let r = 2.0 + b.cos();
+//!     Vector3::new(r * a.cos(), r * a.sin(), b.sin())
+//! });
+//! let spline = TSpline::new(Arc::clone(&space), control.collect());
+//! let point = Point { cylinder: 0, x: 0.3 * one as f64, y: 0.0 };
+//! let samples = spline.evaluate(&[point], Order::First);
+//! // Splines lie inside of their control nets.
+//! let radius = samples.positions[0].coords.norm();
+//! assert!(2.5 < radius && radius < 3.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #[cfg(test)]
 mod tests;

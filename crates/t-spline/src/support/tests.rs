@@ -1,10 +1,10 @@
 //! Supports stay clear of zeros, and are laid out completely.
 
 use super::*;
-use crate::tmesh::Grid;
-use crate::tmesh::tests::{
+use crate::samples::{
     large_double_torus, large_torus, open_cylinder, random_mesh, surfaces_with_zeros,
 };
+use crate::tmesh::Grid;
 
 const GRID: Grid = Grid {
     columns: 4,

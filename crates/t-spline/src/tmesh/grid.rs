@@ -4,6 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::complex::{Cylinder, Segment};
 
+/// Zeros face each other if they are closer than a column over this: supports that end at one are then so
+/// narrow that they leave little of what is anchored at the other.
+const NEAR: i64 = 8;
+
 /// How many columns and rows a cylinder starts with, about: lines through zeros and what the coverage of
 /// their neighbourhoods needs come in addition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,7 +35,7 @@ impl Grid {
     ///
     /// Columns go through all zeros of both borders, as the only functions that are positive above a zero
     /// have their anchors there; then there must be anchors on the ray between the zeros of both borders,
-    /// so there are two rows where these face each other, and on every connection between zeros. The
+    /// so there are two rows where these face each other or nearly so, and on every connection between zeros. The
     /// columns between are as even as these allow, and never close to one of them.
     pub(crate) fn lines(self, cylinder: &Cylinder) -> (Vec<i64>, Vec<i64>) {
         let zeros = |border: &[Segment]| -> Vec<i64> {
@@ -61,7 +65,10 @@ impl Grid {
             }
         }
         xs.sort_unstable();
-        let facing = bottom.iter().any(|x| top.contains(x));
+        let near = size / (NEAR * columns as i64);
+        let distance = |a: i64, b: i64| (a - b).rem_euclid(size).min((b - a).rem_euclid(size));
+        let faced = |&x: &i64| top.iter().any(|&t| distance(x, t) <= near);
+        let facing = bottom.iter().any(faced);
         let rows = self.rows.max(if facing { 2 } else { 1 });
         let mut ys = Vec::new();
         push_even(&mut ys, 0, cylinder.height, rows);

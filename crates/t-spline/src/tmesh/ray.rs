@@ -96,13 +96,10 @@ impl TMesh {
         if at.y > 0 {
             return Some(self.extent(at, [side, Side::Low]));
         }
-        // Where segments meet, the way goes on below the one on its side.
-        let back = i64::from(side == Side::Low);
         let below = self
             .complex
-            .across(at.cylinder, Border::Bottom, at.x - back);
-        let mut below = below.ok()?;
-        below.x += back;
+            .across(at.cylinder, Border::Bottom, at.x)
+            .ok()?;
         Some(self.extent(below, [side, Side::Low]))
     }
 
