@@ -155,7 +155,8 @@ pub(crate) fn sew(patches: &[Patch]) -> Result<BezierShell, ShellError> {
     let mut edges: Vec<BezierEdge> = Vec::new();
     let mut faces = patches.to_vec();
     for face in &mut faces {
-        for side in (0..4).map(|side| face.side(side)) {
+        let sides = [0, 1, 2, 3].map(|side| face.side(side));
+        for side in sides {
             if side
                 .points
                 .iter()
