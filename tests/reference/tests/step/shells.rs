@@ -108,9 +108,9 @@ pub(crate) fn octants() -> Vec<Patch> {
 pub(crate) fn one_beside_two() -> Vec<Patch> {
     let places = (0..4).flat_map(|j| (0..4).map(move |i| [i, j].map(f64::from)));
     let points: Vec<_> = places
-        .map(|[i, j]| Point3::new(i, j + 0.2 * (i * j).cos(), (2.0 * i - j).sin()))
+        .map(|[i, j]| Point3::new(i, j + 0.1 * (i * j).cos(), (i - 0.5 * j).sin()))
         .collect();
-    let weights = (0..16).map(|at| 1.0 + 0.5 * f64::from(at * at).sin());
+    let weights = (0..16).map(|at| 1.0 + 0.3 * f64::from(at * at).sin());
     let whole = patch([3, 3], points, Some(weights.collect()));
     let [left, right] = [[0.0, 0.4], [0.4, 1.0]].map(|range| part(&whole, 0, range));
     let halves = [[0.0, 0.5], [0.5, 1.0]].map(|range| part(&right, 1, range));
