@@ -2,6 +2,7 @@
 
 mod browser;
 mod debian;
+mod draw;
 mod python;
 mod reference;
 mod steps;

@@ -8,7 +8,8 @@
 //!
 //! [`write_surface`] writes PLY, OBJ, VTU and glb. Every file is written beside its target and
 //! renamed, so that a target is whole or absent, and the same surface gives the same bytes.
-//! [`write_cells`] writes Bézier cells of any shape and degree as they are.
+//! [`write_cells`] writes Bézier cells of any shape and degree as they are, [`write_step`] patches with
+//! the edges that they share.
 //!
 //! [`read_tets`] takes tetrahedra from Medit, Gmsh, VTK and TetGen files, and [`write_volume`] writes
 //! tetrahedra and hexahedra.
@@ -27,6 +28,7 @@
 //! | VTU | tetrahedra: text, base64, appended, zlib | XML with base64 data; Bézier cells | double | all attributes, normals; weights |
 //! | VTK | tetrahedra: text, binary | | | |
 //! | Medit | tetrahedra: text | text | double | none |
+//! | STEP | | AP214, text; Bézier patches as solids or shells | double | weights |
 //! | Gmsh | tetrahedra: 2.2 and 4.1, text, binary | 4.1, text | double | all attributes |
 //! | TetGen | tetrahedra: `.node` with `.ele` | | | |
 //! | glb | | glTF 2.0 | single | colours, normals, texture of corners |
@@ -50,6 +52,7 @@ mod off;
 mod output;
 mod ply;
 mod read;
+mod step;
 mod stl;
 mod text;
 mod volume;
@@ -63,4 +66,5 @@ pub use format::Format;
 pub use npy::{Array, parse_npy, read_npy, write_npy};
 pub use output::{OutputFormat, Surface, WriteError, write_atomically, write_surface};
 pub use read::{parse_soup, read_points, read_soup};
+pub use step::write_step;
 pub use volume::{Field, Volume, VolumeCells, parse_tetgen, parse_tets, read_tets, write_volume};

@@ -1,5 +1,5 @@
 //! Comparison with established libraries: OpenMesh, OpenSubdiv, CGAL, CHOLMOD, and VTK, meshio and
-//! SciPy in Python.
+//! SciPy in Python, and OpenCASCADE's program DRAW.
 //!
 //! The functions here return what those libraries find on a [`TriangleMesh`], a polygon mesh, a
 //! sparse matrix, tetrahedra or a file; the tests of this package set it beside what this project
@@ -8,6 +8,7 @@
 
 mod bindings;
 pub mod cholmod;
+pub mod draw;
 pub mod meshes;
 pub mod polygon;
 pub mod python;
@@ -94,13 +95,15 @@ pub enum Library {
     Meshio,
     /// Tensor products of B-splines.
     Scipy,
+    /// Files of boundary representations.
+    OpenCascade,
 }
 
 impl Library {
     /// Returns the name and the version this package was compiled with or asks.
     ///
     /// # Panics
-    /// If it is a Python package and cannot be asked.
+    /// If it is a Python package or a program and cannot be asked.
     #[must_use]
     pub fn version(self) -> String {
         match self {
@@ -111,6 +114,10 @@ impl Library {
             Self::Vtk => format!("VTK {}", python::version("vtk")),
             Self::Meshio => format!("meshio {}", python::version("meshio")),
             Self::Scipy => format!("SciPy {}", python::version("scipy")),
+            Self::OpenCascade => {
+                let version = draw::version().unwrap_or_else(|error| panic!("{error}"));
+                format!("OpenCASCADE {version}")
+            }
         }
     }
 }

@@ -1,11 +1,11 @@
-//! Tests against established libraries in C++ and Python, which are installed where that is allowed.
+//! Tests against established libraries and programs, which are installed where that is allowed.
 
 use std::fs;
 use std::path::Path;
 use std::sync::OnceLock;
 
 use super::steps::{self, Outcome, Step};
-use super::{debian, python};
+use super::{debian, draw, python};
 use crate::tree;
 
 /// Debian packages, and a header of each that shows it is there.
@@ -25,14 +25,19 @@ const LIBRARIES: [(&str, &str); 6] = [
 pub(super) const PACKAGE: &str = "msplines-reference";
 /// nextest's name for the tests of this package.
 const OWN: &str = "package(msplines-reference)";
-/// nextest's name for those of them that ask no Python.
-const WITHOUT_PYTHON: &str = "package(msplines-reference) and not (binary(gismo) or binary(vtk))";
 /// nextest's name for all other tests.
 pub(super) const OTHERS: &str = "not package(msplines-reference)";
-/// The tests of this package that ask no Python.
+/// The tests of this package that need its bindings alone.
 const TESTS: [&str; 5] = ["openmesh", "opensubdiv", "cgal", "cholmod", "solids"];
-/// Those that do.
-const PYTHON_TESTS: [&str; 2] = ["gismo", "vtk"];
+
+/// Tests that ask a program, and what installs it or says what to do.
+type Asking = (&'static [&'static str], fn() -> Result<(), String>);
+
+/// The tests of this package that ask programs.
+const ASKING: [Asking; 2] = [
+    (&["gismo", "vtk"], python::prepare),
+    (&["step"], draw::prepare),
+];
 
 /// Returns whether the bindings can be built; on first use installs what is missing, if it may.
 pub(super) fn is_ready() -> bool {
@@ -47,34 +52,46 @@ pub(super) fn run(packages: Vec<&str>) -> Step {
     if !is_ready() {
         return Step::not_run(format!("apt-get install {}", missing_packages().join(" ")));
     }
-    let python = python::prepare();
+    let (mut asking, mut left_out, mut remedies) = (Vec::new(), Vec::new(), Vec::new());
+    for (tests, prepare) in ASKING {
+        match prepare() {
+            Ok(()) => asking.extend(tests),
+            Err(remedy) => {
+                left_out.extend(tests);
+                remedies.push(format!("{}: {remedy}", tests.join(" and ")));
+            }
+        }
+    }
     let mut arguments = if steps::has_nextest() {
         steps::test_runner()
     } else {
         vec!["test"]
     };
     arguments.extend(packages);
+    let own = without(&left_out);
     if steps::has_nextest() {
-        let own = if python.is_ok() { OWN } else { WITHOUT_PYTHON };
-        arguments.extend(["--filterset", own]);
+        arguments.extend(["--filterset", &own]);
     } else {
-        let more = if python.is_ok() {
-            &PYTHON_TESTS[..]
-        } else {
-            &[]
-        };
-        let tests = TESTS.iter().chain(more);
+        let tests = TESTS.iter().chain(asking);
         arguments.extend(tests.flat_map(|test| ["--test", test]));
     }
     let step = steps::cargo(&arguments);
-    match (gather(), python) {
-        (Err(error), _) => Step::failed(format!("target/reference.json was not written: {error}")),
-        (Ok(()), Err(remedy)) if step.outcome == Outcome::Passed => Step {
-            outcome: Outcome::NotRun(format!("{}: {remedy}", PYTHON_TESTS.join(" and "))),
+    match gather() {
+        Err(error) => Step::failed(format!("target/reference.json was not written: {error}")),
+        Ok(()) if step.outcome == Outcome::Passed && !remedies.is_empty() => Step {
+            outcome: Outcome::NotRun(remedies.join("; ")),
             ..step
         },
-        (Ok(()), _) => step,
+        Ok(()) => step,
     }
+}
+
+/// Returns nextest's name for the tests of this package other than these.
+fn without(left_out: &[&str]) -> String {
+    let left_out = left_out
+        .iter()
+        .map(|test| format!(" and not binary({test})"));
+    format!("{OWN}{}", left_out.collect::<String>())
 }
 
 /// Gathers what each test left in `target/reference` into one list for programs.
@@ -100,4 +117,18 @@ fn missing_packages() -> Vec<&'static str> {
         .iter()
         .filter(|(_, sign)| !Path::new(sign).exists());
     missing.map(|(package, _)| *package).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without;
+
+    #[test]
+    fn tests_of_absent_programs_are_left_out() {
+        assert_eq!(without(&[]), "package(msplines-reference)");
+        assert_eq!(
+            without(&["gismo", "vtk"]),
+            "package(msplines-reference) and not binary(gismo) and not binary(vtk)"
+        );
+    }
 }

@@ -86,6 +86,12 @@ pub enum WriteError {
         /// The file.
         path: PathBuf,
     },
+    /// The extension is not that of STEP.
+    #[error("{} asks for no STEP file; name it .step or .stp", path.display())]
+    StepFormat {
+        /// The file.
+        path: PathBuf,
+    },
     /// Control points that do not fill whole cells.
     #[error(
         "{points} control points do not fill cells of {per_cell}; give all points of every cell"

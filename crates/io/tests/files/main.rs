@@ -13,5 +13,6 @@ mod off;
 mod output;
 mod ply;
 mod round_trip;
+mod step;
 mod stl;
 mod volume;
