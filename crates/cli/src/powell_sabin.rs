@@ -32,6 +32,7 @@ pub(crate) fn case(arguments: &PowellSabin, session: &Session) -> Case {
             },
         },
         tessellate: arguments.tessellate,
+        ..PowellSabinMethod::default()
     };
     Case {
         outputs: arguments.outputs.clone(),

@@ -1,6 +1,6 @@
 //! Why a surface has no Powell-Sabin spline, and which exit code says so.
 
-use msplines_powell_sabin::{FitError, SurfaceError};
+use msplines_powell_sabin::{EditError, FitError, SurfaceError};
 
 use super::exit;
 
@@ -11,6 +11,9 @@ pub enum PowellSabinError {
     /// The fit failed.
     #[error("powell-sabin: {0}")]
     Surface(#[from] SurfaceError),
+    /// A change of it is none.
+    #[error("powell-sabin: {0}")]
+    Edit(#[from] EditError),
     /// Something that these splines do not have.
     #[error("a Powell-Sabin spline has no {what}; {remedy}")]
     FitOnly {
@@ -33,6 +36,7 @@ impl PowellSabinError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Surface(SurfaceError::Fit(FitError::Weights { .. }))
+            | Self::Edit(_)
             | Self::FitOnly { .. }
             | Self::Segments { .. } => exit::USAGE,
             Self::Surface(SurfaceError::Fit(

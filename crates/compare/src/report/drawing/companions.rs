@@ -52,6 +52,10 @@ pub(super) struct SolidSurfaces {
     pub(super) cut: Option<FieldMesh>,
     /// Lines on the boundary of the spline.
     pub(super) spline: Lines,
+    /// Control triangles, where there are any.
+    pub(super) control: Option<FieldMesh>,
+    /// The domain with its faces split, where that is kept.
+    pub(super) refinement: Option<FieldMesh>,
 }
 
 impl SolidSurfaces {
@@ -70,6 +74,8 @@ impl SolidSurfaces {
             input: field_mesh("input")?,
             cut: field_mesh("cut").ok(),
             spline: lines(files, "spline")?,
+            control: field_mesh("control").ok(),
+            refinement: field_mesh("refinement").ok(),
         })
     }
 }

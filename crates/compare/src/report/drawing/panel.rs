@@ -1,6 +1,6 @@
 //! One picture of a row, and the lighter mesh that can be turned in its place.
 
-use msplines_common::Point3;
+use msplines_common::{Point3, Vector3};
 use msplines_common::mesh::{Decimated, TriangleMesh};
 use msplines_picture::{
     Axis, Callout, Camera, ColourMap, ColourScale, Corner, Curves, Drawing, Image, Paint,
@@ -11,7 +11,9 @@ use super::super::surface_payload::{self, Lines, Points, SurfaceView};
 use super::source::Source;
 use super::values::{SplitFaces, Subject, Values};
 use super::{DrawingOptions, Views};
-use crate::experiment::{Callout as Part, Corner as PartCorner, Edges, Panel, Show, UpAxis};
+use crate::experiment::{
+    Callout as Part, Close, Corner as PartCorner, Edges, Panel, Show, UpAxis,
+};
 use crate::run::CHECKERS;
 
 /// Pieces of edges in a view that can be turned, at most.
@@ -30,6 +32,11 @@ const KNOT_SHARE: f64 = 130.0;
 const EDGE: Rgb = Rgb::new(92, 98, 108);
 /// Colours of the squares of a checkerboard.
 const SQUARES: [Rgb; 2] = [Rgb::new(244, 241, 234), Rgb::new(64, 104, 150)];
+/// Colour of control triangles, and how much of it hides what is behind.
+const CONTROL: Rgb = Rgb::new(196, 58, 40);
+const CONTROL_OPACITY: f64 = 0.35;
+/// About so many control triangles have thick sides.
+const FEW_CONTROL: f64 = 300.0;
 /// Pixels of the corner per pixel of a magnified part.
 const MAGNIFICATION: usize = 3;
 /// What numbers are painted with where their scale is not known: all errors are zero, which is good,
@@ -45,6 +52,10 @@ pub(super) struct Picture {
 /// What a panel shows, ready to be drawn.
 struct Stage<'a> {
     mesh: &'a TriangleMesh,
+    /// Exact normals of its vertices, where they are known.
+    normals: Option<&'a [Vector3<f64>]>,
+    /// Triangles that lie over the surface.
+    control: Option<&'a TriangleMesh>,
     /// The surface that the camera is turned to.
     framed: &'a TriangleMesh,
     /// The mesh cut along the borders of its cells, where those are painted.
@@ -73,15 +84,22 @@ pub(super) fn draw(
     let fitted = (panel.show == Show::Error).then(|| fitted_input(source));
     let mesh = match (panel.show, &fitted) {
         (_, Some(fitted)) => fitted,
-        (Show::Spline | Show::Checkers, None) => &source.spline,
+        (Show::Spline | Show::Checkers | Show::ControlTriangles | Show::Isophotes, None) => {
+            &source.spline
+        }
+        (Show::Refinement, None) => &source.refinement()?.mesh,
         (Show::Field, None) => source.shown(panel.on.unwrap_or_default())?.0,
         (Show::Target, None) => &source.target()?.0,
         (Show::Input | Show::Knots | Show::Error, None) => framed(panel, source),
     };
-    let stage = stage(panel, subject, mesh, scale);
+    let stage = stage(panel, subject, mesh, scale)?;
     let image = still(&stage, panel, options.pixels).map_err(|e| e.to_string())?;
-    // Views that can be turned have colours of vertices only.
-    let is_turnable = options.views == Views::Turnable && panel.show != Show::Checkers;
+    // Views that can be turned have colours of vertices only, and hold one surface.
+    let is_still = matches!(
+        panel.show,
+        Show::Checkers | Show::ControlTriangles | Show::Isophotes
+    );
+    let is_turnable = options.views == Views::Turnable && !is_still;
     let payload = is_turnable.then(|| turnable(&stage, source, options.pixels));
     Ok(Picture { image, payload })
 }
@@ -91,9 +109,15 @@ pub(super) fn draw(
 fn framed<'a>(panel: &Panel, source: &'a Source) -> &'a TriangleMesh {
     match panel.show {
         Show::Knots => source.input(),
-        Show::Input | Show::Spline | Show::Error | Show::Field | Show::Target | Show::Checkers => {
-            source.original()
-        }
+        Show::Input
+        | Show::Spline
+        | Show::Error
+        | Show::Field
+        | Show::Target
+        | Show::Checkers
+        | Show::ControlTriangles
+        | Show::Refinement
+        | Show::Isophotes => source.original(),
     }
 }
 
@@ -109,16 +133,17 @@ fn stage<'a>(
     subject: &'a Subject<'_>,
     mesh: &'a TriangleMesh,
     scale: Option<&ColourScale>,
-) -> Stage<'a> {
+) -> Result<Stage<'a>, String> {
     let source = subject.source;
     let (paint, colours) = paint(&subject.values, scale);
-    let is_image = panel.show == Show::Spline;
+    let is_image = matches!(panel.show, Show::Spline | Show::ControlTriangles);
     let lines = match panel.show {
         Show::Input => source.lines().map(|[control, _]| control),
-        Show::Spline => source.lines().map(|[_, spline]| spline),
+        Show::Spline | Show::ControlTriangles => source.lines().map(|[_, spline]| spline),
+        Show::Refinement => source.refinement().ok().map(|split| &split.lines),
         Show::Field => source.field_lines(panel.on.unwrap_or_default()),
         Show::Target => source.target().ok().map(|target| &target.1),
-        Show::Error | Show::Knots | Show::Checkers => None,
+        Show::Error | Show::Knots | Show::Checkers | Show::Isophotes => None,
     };
     let edges = match (panel.edges, panel.show) {
         (Edges::None, _) => Vec::new(),
@@ -129,19 +154,28 @@ fn stage<'a>(
     let creases = lines.filter(|_| panel.edges == Edges::Domain);
     let creases = creases.map_or_else(Vec::new, |lines| lines.creases.clone());
     let facets = match panel.show {
-        Show::Spline | Show::Target | Show::Checkers => false,
+        Show::Spline
+        | Show::Target
+        | Show::Checkers
+        | Show::ControlTriangles
+        | Show::Isophotes => false,
         Show::Field => lines.is_none(),
-        Show::Input | Show::Knots | Show::Error => true,
+        Show::Input | Show::Knots | Show::Error | Show::Refinement => true,
     };
     // The images of edges come in pieces.
     let pieces = match panel.show {
         Show::Spline | Show::Field => source.pieces_per_edge(),
-        Show::Input | Show::Knots | Show::Error | Show::Target | Show::Checkers => 1.0,
+        _ => 1.0,
     };
     let count = edges.len() as f64 / pieces;
     let [thinnest, thickest] = EDGE_WIDTHS;
-    Stage {
+    Ok(Stage {
         mesh,
+        normals: source.normals().filter(|n| n.len() == mesh.vertex_count()),
+        control: match panel.show {
+            Show::ControlTriangles => Some(&source.control()?.mesh),
+            _ => None,
+        },
         framed: framed(panel, source),
         cells: match &subject.values {
             Values::Cells { split, .. } => Some(split),
@@ -151,7 +185,7 @@ fn stage<'a>(
         colours,
         edges,
         // Creases are red where there are any to tell.
-        edge_colour: if is_image && lines.is_none() {
+        edge_colour: if is_image && (lines.is_none() || source.normals().is_some()) {
             Rgb::RED
         } else {
             EDGE
@@ -169,9 +203,21 @@ fn stage<'a>(
         } else {
             &[]
         },
-        // All pictures of a row are seen by the same camera.
-        camera: Camera::framing(framed(panel, source).positions(), &view(panel, source)),
-    }
+        camera: camera(panel, source)?,
+    })
+}
+
+/// Returns the camera of a panel; all pictures of a row are seen by the same one but close ones.
+pub(super) fn camera(panel: &Panel, source: &Source) -> Result<Camera, String> {
+    let (mesh, view) = (framed(panel, source), view(panel, source));
+    let Some(Close { mark, radius }) = panel.close else {
+        return Ok(Camera::framing(mesh.positions(), &view));
+    };
+    let marks = source.knots.len();
+    let place = source.knots.get(mark);
+    let place = place.ok_or_else(|| format!("no mark {mark} to come close to; there are {marks}"))?;
+    let reach = Vector3::repeat(radius * mesh.diagonal() / 3.0_f64.sqrt());
+    Ok(Camera::framing(&[place - reach, place + reach], &view))
 }
 
 /// Returns how the surface is painted, and the colour of each of its vertices.
@@ -224,7 +270,21 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
         Some(split) => Surface::new(&split.positions, &split.faces),
         None => Surface::new(positions, stage.mesh.faces()),
     };
+    let surface = match stage.normals {
+        Some(normals) if stage.cells.is_none() => surface.normals(normals),
+        _ => surface,
+    };
     scene.add(surface.paint(stage.paint).shading(stage.shading));
+    let sides = stage.control.map(|control| edges(control.faces()));
+    if let (Some(control), Some(sides)) = (stage.control, &sides) {
+        let width = EDGE_WIDTHS[0] + FEW_CONTROL / control.face_count() as f64;
+        let width = width.min(EDGE_WIDTHS[1]) * per_thousand;
+        let triangles = Surface::new(control.positions(), control.faces());
+        let triangles = triangles.paint(Paint::Uniform(CONTROL));
+        scene.add(triangles.shading(Shading::Flat).opacity(CONTROL_OPACITY));
+        let sides = Curves::new(control.positions(), sides);
+        scene.add(sides.colour(CONTROL).width(width));
+    }
     if !stage.edges.is_empty() {
         let curves = Curves::new(positions, &stage.edges)
             .colour(stage.edge_colour)

@@ -4,19 +4,19 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock};
 
-use msplines_common::Point3;
+use msplines_common::{Point3, Vector3};
 use msplines_common::mesh::{Decimated, TriangleMesh, VertexAttribute, decimate, edge_pieces};
 use msplines_io::{read_npy, read_points};
 use msplines_picture::{Rgb, edges};
 
-use super::companions::{Companions, Lines, SolidSurfaces};
+use super::companions::{Companions, FieldMesh, Lines, SolidSurfaces};
 use super::frames;
 use crate::campaign::{RowReport, Sources};
 use crate::case::Input;
 use crate::clock::PhaseClock;
 use crate::experiment::{FieldSurface, MethodName, RowData, ViewHint};
 use crate::input::{FitData, LoadedInput, fit_data, load, read_surface};
-use crate::output::{ROW_KNOTS, ROW_SURFACE, ROW_TEXTURE};
+use crate::output::{NORMALS, ROW_KNOTS, ROW_SURFACE, ROW_TEXTURE};
 
 /// Larger meshes get lighter ones to turn.
 const LIGHT_ENOUGH: usize = 24_000;
@@ -112,6 +112,8 @@ pub(super) struct Source {
     solid: Option<SolidSurfaces>,
     /// Texture coordinates of the corners of every face of the stored surface of an atlas.
     texture: Option<Vec<[[f64; 2]; 3]>>,
+    /// Exact unit normals of the stored surface, where they are known.
+    normals: Option<Vec<Vector3<f64>>>,
     /// Rounds of subdivision from the input to the spline.
     rounds: u32,
     /// Where it is seen from.
@@ -187,6 +189,7 @@ impl Source {
             },
             companions,
             solid,
+            normals: normals(&attributes),
             texture: is_atlas.then(|| texture(files)).transpose()?,
             frame,
             spline,
@@ -239,6 +242,28 @@ impl Source {
         texture.ok_or_else(|| "its run left no texture; only conformal atlases have one".to_owned())
     }
 
+    /// Returns the exact normals of the stored surface, where they are known.
+    pub(super) fn normals(&self) -> Option<&[Vector3<f64>]> {
+        self.normals.as_deref()
+    }
+
+    /// Returns the control triangles.
+    pub(super) fn control(&self) -> Result<&FieldMesh, String> {
+        let control = self.solid.as_ref().and_then(|beside| beside.control.as_ref());
+        control.ok_or_else(|| {
+            "its run left no control triangles; only Powell-Sabin splines have them".to_owned()
+        })
+    }
+
+    /// Returns the domain with its faces split.
+    pub(super) fn refinement(&self) -> Result<&FieldMesh, String> {
+        let beside = self.solid.as_ref();
+        let refinement = beside.and_then(|beside| beside.refinement.as_ref());
+        refinement.ok_or_else(|| {
+            "its run left no refinement; only Powell-Sabin splines over the plane have one".to_owned()
+        })
+    }
+
     /// Returns the surface that is approximated and the lines on it.
     pub(super) fn target(&self) -> Result<&(TriangleMesh, Lines), String> {
         let companions = self.companions.as_ref();
@@ -280,6 +305,15 @@ impl Source {
             edges(faces)
         }
     }
+}
+
+/// Returns the normals among attributes.
+fn normals(attributes: &[VertexAttribute]) -> Option<Vec<Vector3<f64>>> {
+    let component = |name: &str| attributes.iter().find(|a| a.name == name);
+    let [x, y, z] = NORMALS.map(component);
+    let (x, y, z) = (&x?.values, &y?.values, &z?.values);
+    let vertices = 0..x.len();
+    Some(vertices.map(|v| Vector3::new(x[v], y[v], z[v])).collect())
 }
 
 /// Returns the texture coordinates in the folder of a row.

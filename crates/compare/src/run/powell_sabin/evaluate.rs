@@ -3,7 +3,7 @@
 use msplines_common::progress::Observer;
 
 use super::write::{Written, check, vertex_positions, write};
-use super::{MOST_SEGMENTS, SHOWN_SEGMENTS, output, record_of, tessellation};
+use super::{MOST_SEGMENTS, SHOWN_SEGMENTS, output, record_of};
 use crate::clock::PhaseClock;
 use crate::error::{PowellSabinError, RunError};
 use crate::input::load_domain;
@@ -36,7 +36,7 @@ pub(in crate::run) fn evaluate(
     enter("evaluate", clock, observer);
     let spline = file.spline.powell_sabin(&input.mesh)?;
     let at_vertices = input.mesh.with_positions(vertex_positions(&spline));
-    let shown = tessellation(&spline, segments.unwrap_or(SHOWN_SEGMENTS));
+    let shown = spline.tessellate(segments.unwrap_or(SHOWN_SEGMENTS));
     enter("write", clock, observer);
     let written = Written {
         file: &file,
