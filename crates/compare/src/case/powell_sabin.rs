@@ -22,6 +22,9 @@ pub struct PowellSabinMethod {
     pub tessellate: Option<u32>,
     /// The basis function whose graph is made in place of a fit; only with [`Layout::Plane`].
     pub basis: Option<BasisFunction>,
+    /// Middles of two charts that are laid out for pictures, in fractions of the sides of the bounding
+    /// box.
+    pub charts: Option<[[f64; 3]; 2]>,
     /// What is changed after the fit, in this order; only on surfaces without zeros.
     pub edits: Vec<SplineEdit>,
 }

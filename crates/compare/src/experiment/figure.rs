@@ -88,6 +88,8 @@ pub enum Show {
     ControlTriangles,
     /// The domain of a Powell-Sabin spline with its faces split into six.
     Refinement,
+    /// Two overlapping charts of a Powell-Sabin spline, laid out in the plane.
+    Charts,
     /// Stripes of equal slope on a spline whose exact normals are known: they bend where curvature
     /// jumps, and break where normals do.
     Isophotes,

@@ -64,12 +64,14 @@ pub enum Corner {
     BottomRight,
 }
 
-/// The part of a surface around a mark: a zero, an edited vertex or a knot.
+/// The part of a surface around a place: give either `mark` or `at`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Close {
-    /// Which mark of the row, counted from 0.
-    pub mark: usize,
+    /// A zero, an edited vertex or a knot of the row, counted from 0.
+    pub mark: Option<usize>,
+    /// A place, as fractions of the sides of the bounding box.
+    pub at: Option<[f64; 3]>,
     /// How far around it one sees, over the diagonal.
     pub radius: f64,
 }
@@ -77,6 +79,9 @@ pub struct Close {
 impl Close {
     /// Returns what is wrong with it.
     pub(super) fn problem(&self) -> Option<&'static str> {
+        if self.mark.is_some() == self.at.is_some() {
+            return Some("`close` needs either a `mark` or a place `at`");
+        }
         let good = self.radius > 0.0 && self.radius.is_finite();
         (!good).then_some("`close` needs a positive `radius`, over the diagonal")
     }

@@ -42,7 +42,10 @@ pub(super) fn hill() -> TriangleMesh {
         // Rows inside are shifted against each other, and their points a little besides.
         let side = if row % 2 == 0 { -SHIFT } else { SHIFT };
         let off = if is_inside(row, rows) && is_inside(column, columns) {
-            [side + JITTER * (13.0 * seed).sin(), JITTER * (79.0 * seed).sin()]
+            [
+                side + JITTER * (13.0 * seed).sin(),
+                JITTER * (79.0 * seed).sin(),
+            ]
         } else {
             [0.0; 2]
         };
@@ -67,7 +70,9 @@ pub(super) fn hill() -> TriangleMesh {
 /// Returns the graph of a function over the Delaunay triangulation of points in the plane.
 fn over(points: &[[f64; 2]], height: impl Fn([f64; 2]) -> f64) -> TriangleMesh {
     let flat = FlatDomain::planar(points).expect("distinct points that are on no line");
-    let lifted = points.iter().map(|&[x, y]| Point3::new(x, y, height([x, y])));
+    let lifted = points
+        .iter()
+        .map(|&[x, y]| Point3::new(x, y, height([x, y])));
     flat.mesh().with_positions(lifted.collect())
 }
 

@@ -56,6 +56,8 @@ pub(super) struct SolidSurfaces {
     pub(super) control: Option<FieldMesh>,
     /// The domain with its faces split, where that is kept.
     pub(super) refinement: Option<FieldMesh>,
+    /// Two charts in the plane, where they are kept.
+    pub(super) charts: Option<FieldMesh>,
 }
 
 impl SolidSurfaces {
@@ -76,6 +78,7 @@ impl SolidSurfaces {
             spline: lines(files, "spline")?,
             control: field_mesh("control").ok(),
             refinement: field_mesh("refinement").ok(),
+            charts: field_mesh("charts").ok(),
         })
     }
 }

@@ -1,7 +1,7 @@
 //! One picture of a row, and the lighter mesh that can be turned in its place.
 
-use msplines_common::{Point3, Vector3};
 use msplines_common::mesh::{Decimated, TriangleMesh};
+use msplines_common::{Point3, Vector3};
 use msplines_picture::{
     Axis, Callout, Camera, ColourMap, ColourScale, Corner, Curves, Drawing, Image, Paint,
     PictureError, Radius, Rect, Rgb, Scene, Shading, Spheres, Surface, View, edges,
@@ -11,9 +11,7 @@ use super::super::surface_payload::{self, Lines, Points, SurfaceView};
 use super::source::Source;
 use super::values::{SplitFaces, Subject, Values};
 use super::{DrawingOptions, Views};
-use crate::experiment::{
-    Callout as Part, Close, Corner as PartCorner, Edges, Panel, Show, UpAxis,
-};
+use crate::experiment::{Callout as Part, Close, Corner as PartCorner, Edges, Panel, Show, UpAxis};
 use crate::run::CHECKERS;
 
 /// Pieces of edges in a view that can be turned, at most.
@@ -65,7 +63,7 @@ struct Stage<'a> {
     edges: Vec<[u32; 2]>,
     edge_colour: Rgb,
     edge_width: f64,
-    /// Edges that are drawn red.
+    /// Edges that are drawn red, or black where the others are red.
     creases: Vec<[u32; 2]>,
     shading: Shading,
     knots: &'a [Point3<f64>],
@@ -88,9 +86,10 @@ pub(super) fn draw(
             &source.spline
         }
         (Show::Refinement, None) => &source.refinement()?.mesh,
+        (Show::Charts, None) => &source.charts()?.mesh,
         (Show::Field, None) => source.shown(panel.on.unwrap_or_default())?.0,
         (Show::Target, None) => &source.target()?.0,
-        (Show::Input | Show::Knots | Show::Error, None) => framed(panel, source),
+        (Show::Input | Show::Knots | Show::Error, None) => framed(panel, source)?,
     };
     let stage = stage(panel, subject, mesh, scale)?;
     let image = still(&stage, panel, options.pixels).map_err(|e| e.to_string())?;
@@ -106,9 +105,11 @@ pub(super) fn draw(
 
 /// Returns the surface beside which a panel shows a spline; knots are known by their places on the
 /// domain.
-fn framed<'a>(panel: &Panel, source: &'a Source) -> &'a TriangleMesh {
-    match panel.show {
+fn framed<'a>(panel: &Panel, source: &'a Source) -> Result<&'a TriangleMesh, String> {
+    Ok(match panel.show {
         Show::Knots => source.input(),
+        // Charts lie in a plane of their own.
+        Show::Charts => &source.charts()?.mesh,
         Show::Input
         | Show::Spline
         | Show::Error
@@ -118,7 +119,7 @@ fn framed<'a>(panel: &Panel, source: &'a Source) -> &'a TriangleMesh {
         | Show::ControlTriangles
         | Show::Refinement
         | Show::Isophotes => source.original(),
-    }
+    })
 }
 
 /// Returns the input mesh with its vertices moved to the spline.
@@ -141,6 +142,7 @@ fn stage<'a>(
         Show::Input => source.lines().map(|[control, _]| control),
         Show::Spline | Show::ControlTriangles => source.lines().map(|[_, spline]| spline),
         Show::Refinement => source.refinement().ok().map(|split| &split.lines),
+        Show::Charts => source.charts().ok().map(|charts| &charts.lines),
         Show::Field => source.field_lines(panel.on.unwrap_or_default()),
         Show::Target => source.target().ok().map(|target| &target.1),
         Show::Error | Show::Knots | Show::Checkers | Show::Isophotes => None,
@@ -154,17 +156,15 @@ fn stage<'a>(
     let creases = lines.filter(|_| panel.edges == Edges::Domain);
     let creases = creases.map_or_else(Vec::new, |lines| lines.creases.clone());
     let facets = match panel.show {
-        Show::Spline
-        | Show::Target
-        | Show::Checkers
-        | Show::ControlTriangles
-        | Show::Isophotes => false,
+        Show::Spline | Show::Target | Show::Checkers | Show::ControlTriangles | Show::Isophotes => {
+            false
+        }
         Show::Field => lines.is_none(),
-        Show::Input | Show::Knots | Show::Error | Show::Refinement => true,
+        Show::Input | Show::Knots | Show::Error | Show::Refinement | Show::Charts => true,
     };
     // The images of edges come in pieces.
     let pieces = match panel.show {
-        Show::Spline | Show::Field => source.pieces_per_edge(),
+        Show::Spline | Show::Field | Show::ControlTriangles => source.pieces_per_edge(),
         _ => 1.0,
     };
     let count = edges.len() as f64 / pieces;
@@ -176,7 +176,7 @@ fn stage<'a>(
             Show::ControlTriangles => Some(&source.control()?.mesh),
             _ => None,
         },
-        framed: framed(panel, source),
+        framed: framed(panel, source)?,
         cells: match &subject.values {
             Values::Cells { split, .. } => Some(split),
             _ => None,
@@ -209,13 +209,18 @@ fn stage<'a>(
 
 /// Returns the camera of a panel; all pictures of a row are seen by the same one but close ones.
 pub(super) fn camera(panel: &Panel, source: &Source) -> Result<Camera, String> {
-    let (mesh, view) = (framed(panel, source), view(panel, source));
-    let Some(Close { mark, radius }) = panel.close else {
+    let (mesh, view) = (framed(panel, source)?, view(panel, source));
+    let Some(Close { mark, at, radius }) = panel.close else {
         return Ok(Camera::framing(mesh.positions(), &view));
     };
-    let marks = source.knots.len();
-    let place = source.knots.get(mark);
-    let place = place.ok_or_else(|| format!("no mark {mark} to come close to; there are {marks}"))?;
+    let [low, high] = mesh.bounding_box();
+    let place = match (at, mark.unwrap_or(0)) {
+        (Some(at), _) => low + (high - low).component_mul(&Vector3::from(at)),
+        (None, mark) => *source.knots.get(mark).ok_or_else(|| {
+            let marks = source.knots.len();
+            format!("no mark {mark} to come close to; there are {marks}")
+        })?,
+    };
     let reach = Vector3::repeat(radius * mesh.diagonal() / 3.0_f64.sqrt());
     Ok(Camera::framing(&[place - reach, place + reach], &view))
 }
@@ -293,7 +298,11 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
     }
     if !stage.creases.is_empty() {
         let curves = Curves::new(positions, &stage.creases)
-            .colour(Rgb::RED)
+            .colour(if stage.edge_colour == Rgb::RED {
+                Rgb::INK
+            } else {
+                Rgb::RED
+            })
             .width(CREASE_WIDTH * stage.edge_width * per_thousand);
         scene.add(curves);
     }

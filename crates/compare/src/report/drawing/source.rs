@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock};
 
-use msplines_common::{Point3, Vector3};
 use msplines_common::mesh::{Decimated, TriangleMesh, VertexAttribute, decimate, edge_pieces};
+use msplines_common::{Point3, Vector3};
 use msplines_io::{read_npy, read_points};
 use msplines_picture::{Rgb, edges};
 
@@ -249,19 +249,35 @@ impl Source {
 
     /// Returns the control triangles.
     pub(super) fn control(&self) -> Result<&FieldMesh, String> {
-        let control = self.solid.as_ref().and_then(|beside| beside.control.as_ref());
-        control.ok_or_else(|| {
-            "its run left no control triangles; only Powell-Sabin splines have them".to_owned()
-        })
+        self.beside(
+            |beside| beside.control.as_ref(),
+            "no control triangles; only Powell-Sabin splines have them",
+        )
     }
 
     /// Returns the domain with its faces split.
     pub(super) fn refinement(&self) -> Result<&FieldMesh, String> {
-        let beside = self.solid.as_ref();
-        let refinement = beside.and_then(|beside| beside.refinement.as_ref());
-        refinement.ok_or_else(|| {
-            "its run left no refinement; only Powell-Sabin splines over the plane have one".to_owned()
-        })
+        self.beside(
+            |beside| beside.refinement.as_ref(),
+            "no refinement; give `layout = \"plane\"`",
+        )
+    }
+
+    /// Returns two charts in the plane.
+    pub(super) fn charts(&self) -> Result<&FieldMesh, String> {
+        self.beside(
+            |beside| beside.charts.as_ref(),
+            "no charts; give their places as `charts`",
+        )
+    }
+
+    fn beside(
+        &self,
+        which: impl Fn(&SolidSurfaces) -> Option<&FieldMesh>,
+        missing: &str,
+    ) -> Result<&FieldMesh, String> {
+        let found = self.solid.as_ref().and_then(which);
+        found.ok_or_else(|| format!("its run left {missing}"))
     }
 
     /// Returns the surface that is approximated and the lines on it.
@@ -292,6 +308,10 @@ impl Source {
 
     /// Returns how many pieces of an edge of the domain lie on the spline.
     pub(super) fn pieces_per_edge(&self) -> f64 {
+        if let (Some(_), Some(beside)) = (&self.normals, &self.solid) {
+            let edges = self.input().topology().edge_count().max(1);
+            return beside.spline.edges.len() as f64 / edges as f64;
+        }
         f64::from(self.rounds).exp2()
     }
 

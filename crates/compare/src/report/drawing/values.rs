@@ -83,9 +83,11 @@ impl<'a> Subject<'a> {
                     Measure::Error
                 },
             }),
-            Show::Knots | Show::Target | Show::ControlTriangles | Show::Refinement => {
-                Ok(Values::Bare)
-            }
+            Show::Knots
+            | Show::Target
+            | Show::ControlTriangles
+            | Show::Refinement
+            | Show::Charts => Ok(Values::Bare),
             Show::Isophotes => isophotes(panel, source),
             Show::Field => field(panel, source),
             Show::Checkers => Ok(Values::Checkers(source.texture()?.to_vec())),
@@ -110,7 +112,9 @@ fn isophotes(panel: &Panel, source: &Source) -> Result<Values, String> {
     // Half a square along the other coordinate is one stripe.
     let corner = |v: u32| [unit * angle(v), 0.5 / CHECKERS];
     let faces = source.spline.faces().iter();
-    Ok(Values::Checkers(faces.map(|face| face.map(corner)).collect()))
+    Ok(Values::Checkers(
+        faces.map(|face| face.map(corner)).collect(),
+    ))
 }
 
 fn field(panel: &Panel, source: &Source) -> Result<Values, String> {

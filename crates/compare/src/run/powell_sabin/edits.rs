@@ -10,8 +10,8 @@ use msplines_powell_sabin::{
 };
 use serde_json::json;
 
-use super::plane::surface;
 use super::Produced;
+use super::plane::surface;
 use crate::case::SplineEdit;
 use crate::error::{PowellSabinError, RunError};
 
@@ -60,7 +60,8 @@ pub(super) fn apply(
     let mut spline = before.regular().clone();
     let (mut steps, mut places) = (Vec::new(), Vec::new());
     for edit in edits {
-        let (edited, vertex, step) = one(&spline, edit, produced).map_err(PowellSabinError::from)?;
+        let (edited, vertex, step) =
+            one(&spline, edit, produced).map_err(PowellSabinError::from)?;
         spline = edited;
         steps.push(step);
         places.push(vertex);
@@ -204,14 +205,22 @@ fn movements(before: &PowellSabinSurface, after: &PowellSabinSurface, steps: &[S
         .map(|(a, b)| (a - b).norm() / before.mesh().diagonal())
         .collect();
     let per_face = moved.chunks_exact(weights.len());
-    per_face.map(|face| face.iter().copied().fold(0.0, f64::max)).collect()
+    per_face
+        .map(|face| face.iter().copied().fold(0.0, f64::max))
+        .collect()
 }
 
 fn values(surface: &PowellSabinSurface, points: &[SurfacePoint]) -> Vec<Point3<f64>> {
     let mut samples = Samples::default();
     let prepared = surface.prepare(points, Order::Value);
-    prepared.expect("points of a surface without holes").evaluate(&mut samples);
-    samples.values.chunks_exact(3).map(Point3::from_slice).collect()
+    prepared
+        .expect("points of a surface without holes")
+        .evaluate(&mut samples);
+    samples
+        .values
+        .chunks_exact(3)
+        .map(Point3::from_slice)
+        .collect()
 }
 
 /// A step with the faces before it by their vertices.
@@ -223,7 +232,9 @@ struct Traced<'a> {
 impl<'a> Traced<'a> {
     fn new(step: &'a Step) -> Self {
         let faces = step.faces.iter().zip(0..);
-        let by_vertices = faces.map(|(face, number)| (sorted(*face), number)).collect();
+        let by_vertices = faces
+            .map(|(face, number)| (sorted(*face), number))
+            .collect();
         Self { step, by_vertices }
     }
 }
@@ -280,7 +291,10 @@ mod tests {
             edits: edits.to_vec(),
             ..PowellSabinMethod::default()
         };
-        let case = Case::new(Input::Surface(surface), Method::PowellSabin(Box::new(method)));
+        let case = Case::new(
+            Input::Surface(surface),
+            Method::PowellSabin(Box::new(method)),
+        );
         let output = run(&case, Instant::now(), &mut unobserved());
         output.expect("a surface").record
     }
@@ -293,7 +307,10 @@ mod tests {
             at: TOP,
             normal: [0.5, 0.0, 1.0],
         };
-        let scale = SplineEdit::Scale { at: TOP, factor: 2.0 };
+        let scale = SplineEdit::Scale {
+            at: TOP,
+            factor: 2.0,
+        };
         let insert = SplineEdit::Insert {
             at: TOP,
             by: [0.0, 0.0, 0.05],
@@ -302,7 +319,12 @@ mod tests {
         for surface in [GeneratedSurface::Hill, GeneratedSurface::Torus500] {
             let whole = checks(surface, &[]);
             assert!(whole.checks.get("changed_faces").is_none());
-            for edits in [vec![turn], vec![scale], vec![insert], vec![insert, turn, scale]] {
+            for edits in [
+                vec![turn],
+                vec![scale],
+                vec![insert],
+                vec![insert, turn, scale],
+            ] {
                 let record = checks(surface, &edits);
                 let number = |name: &str| record.checks[name].as_f64().expect(name);
                 assert!(number("largest_movement") > 1e-3, "{edits:?}");
@@ -323,11 +345,17 @@ mod tests {
                 edits: vec![edit],
                 ..PowellSabinMethod::default()
             };
-            let case = Case::new(Input::Surface(surface), Method::PowellSabin(Box::new(method)));
+            let case = Case::new(
+                Input::Surface(surface),
+                Method::PowellSabin(Box::new(method)),
+            );
             let output = run(&case, Instant::now(), &mut unobserved());
             output.expect_err("refused").to_string()
         };
-        let none = SplineEdit::Scale { at: TOP, factor: 0.0 };
+        let none = SplineEdit::Scale {
+            at: TOP,
+            factor: 0.0,
+        };
         let torus = run_with(GeneratedSurface::Torus500, none);
         assert!(torus.contains("positive factor"), "{torus}");
         let zeros = run_with(GeneratedSurface::Genus2Coarse, none);

@@ -1,6 +1,7 @@
 //! Runs of Powell-Sabin splines: from a surface with normals to one spline through all its vertices.
 
 mod atlas;
+mod charts;
 mod edits;
 mod evaluate;
 mod measure;
@@ -118,11 +119,20 @@ fn run(
         at_vertices: &at_vertices,
     };
     write::write(&case.outputs, &written)?;
+    let charts = method
+        .charts
+        .map(|at| charts::Charts::around(&stored, &shown, at));
+    if let Some(charts) = &charts {
+        record.checks.extend(charts.checks());
+    }
     let mut output = output(record, spline, shown, &at_vertices, &stored, clock);
     output.knots = produced.marks;
     pictures::add_molecule(&mut output.companions, produced.molecule);
     if method.layout == Layout::Plane {
         output.companions.push(pictures::refinement(&stored));
+    }
+    if let Some(charts) = charts {
+        charts.show(&mut output);
     }
     Ok(output)
 }
@@ -210,6 +220,7 @@ fn options(case: &Case, method: &PowellSabinMethod) -> Value {
     options["tessellate"] = json!(method.tessellate);
     options["layout"] = json!(method.layout);
     options["basis"] = json!(method.basis);
+    options["charts"] = json!(method.charts);
     options["edits"] = json!(method.edits);
     options["data"] = json!(case.data);
     options["seed"] = json!(case.seed);

@@ -56,7 +56,10 @@ pub(super) fn refinement(spline: &PowellSabinSurface) -> Companion {
         for micro in 0..6 {
             let first = positions.len() as u32;
             let place = |at: [f64; 3]| {
-                let sum = corners.iter().zip(at).map(|(corner, weight)| corner * weight);
+                let sum = corners
+                    .iter()
+                    .zip(at)
+                    .map(|(corner, weight)| corner * weight);
                 Point3::from(sum.sum::<Vector3<f64>>())
             };
             positions.extend(triangle.micro_corners(micro).map(place));
@@ -73,7 +76,8 @@ pub(super) fn refinement(spline: &PowellSabinSurface) -> Companion {
     }
 }
 
-fn bare(name: &'static str) -> Companion {
+/// A surface beside the spline without anything.
+pub(super) fn bare(name: &'static str) -> Companion {
     Companion {
         name,
         mesh: None,
@@ -84,7 +88,7 @@ fn bare(name: &'static str) -> Companion {
 }
 
 /// The images of the edges of the domain, as pairs of points of a tessellation.
-fn edges_on_surface(tessellation: &Tessellation) -> Vec<[u32; 2]> {
+pub(super) fn edges_on_surface(tessellation: &Tessellation) -> Vec<[u32; 2]> {
     let zeros = |i: u32| tessellation.points[i as usize].at.map(|x| x == 0.0);
     let on_edge = |a: u32, b: u32| {
         let count = |i: u32| zeros(i).into_iter().filter(|&zero| zero).count();

@@ -3,11 +3,11 @@
 use msplines_common::mesh::{Topology, TriangleMesh};
 use msplines_common::progress::{Observer, Outcome};
 use msplines_common::{Point3, Vector3};
+use msplines_powell_sabin::surface::SurfaceParts;
 use msplines_powell_sabin::{
     Basis, DomainError, FitError, FlatDomain, PowellSabinSpline, PowellSabinSurface, SurfaceError,
     VertexCondition, fit,
 };
-use msplines_powell_sabin::surface::SurfaceParts;
 use serde_json::json;
 
 use super::edits::{nearest, place};
@@ -84,7 +84,9 @@ pub(super) fn basis_function(
     let mut produced = produced(surface(&graph.map_err(refused)?.spline)?, conditions);
     let topology = mesh.topology();
     let star: Vec<u32> = topology.outgoing(vertex).collect();
-    produced.checks.insert("support_faces".to_owned(), json!(star.len()));
+    produced
+        .checks
+        .insert("support_faces".to_owned(), json!(star.len()));
     produced.marks = vec![mesh.positions()[vertex as usize]];
     let opposite = |h: u32| [topology.target(h), topology.target(Topology::next(h))];
     produced.molecule = star.into_iter().map(opposite).collect();
@@ -98,7 +100,8 @@ fn domain(mesh: &TriangleMesh) -> Result<FlatDomain, RunError> {
     let sides = mesh.faces().iter();
     let sides = sides.flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(side));
     let domain = FlatDomain::build(mesh.clone(), sides.collect());
-    Ok(domain.map_err(|error: DomainError| PowellSabinError::Surface(SurfaceError::Domain(error)))?)
+    Ok(domain
+        .map_err(|error: DomainError| PowellSabinError::Surface(SurfaceError::Domain(error)))?)
 }
 
 /// Returns the surface that a spline without holes is.
