@@ -68,6 +68,9 @@ pub enum GeneratedSurface {
     /// A surface with two handles of about 2,000 vertices.
     #[serde(rename = "genus-2-2k")]
     Genus2Coarse,
+    /// A surface with two handles of about 500 vertices.
+    #[serde(rename = "genus-2-500")]
+    Genus2Small,
     /// A flat plate of a dozen vertices, triangulated after Delaunay.
     Plate,
     /// A hill over a rectangle, 48 vertices triangulated after Delaunay.
@@ -76,7 +79,7 @@ pub enum GeneratedSurface {
 
 impl GeneratedSurface {
     /// All of them.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::BumpySphere,
         Self::BumpySphere5k,
         Self::BumpySphere500,
@@ -93,6 +96,7 @@ impl GeneratedSurface {
         Self::Torus,
         Self::Torus500,
         Self::Genus2Coarse,
+        Self::Genus2Small,
         Self::Plate,
         Self::Hill,
     ];
@@ -117,6 +121,7 @@ impl GeneratedSurface {
             Self::Nut => "nut",
             Self::Torus500 => "torus-500",
             Self::Genus2Coarse => "genus-2-2k",
+            Self::Genus2Small => "genus-2-500",
             Self::Plate => "plate",
             Self::Hill => "hill",
         }
@@ -142,6 +147,7 @@ impl GeneratedSurface {
             Self::Nut => shapes::nut(8_000),
             Self::Torus500 => shapes::torus(1.0, 0.4, 500),
             Self::Genus2Coarse => shapes::genus(2, 2_500),
+            Self::Genus2Small => shapes::genus(2, 600),
             Self::Plate => planar::plate(),
             Self::Hill => planar::hill(),
         }
@@ -174,7 +180,7 @@ impl FromStr for GeneratedSurface {
 /// No surface of this name can be generated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no surface `{name}`; there are bumpy-sphere (also -500, -5k, -100k, -1m, -irregular), torus (also -500), torus-knot, genus-2 (also -2k), genus-3, genus-8, sphere, vase, nut, plate and hill"
+    "no surface `{name}`; there are bumpy-sphere (also -500, -5k, -100k, -1m, -irregular), torus (also -500), torus-knot, genus-2 (also -2k, -500), genus-3, genus-8, sphere, vase, nut, plate and hill"
 )]
 pub struct UnknownSurface {
     /// The name.

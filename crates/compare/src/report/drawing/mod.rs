@@ -1,6 +1,7 @@
 //! The pictures of a report: figures of surfaces from the files of its rows, and plots of its
 //! quantities.
 
+mod camera;
 mod companions;
 mod frames;
 mod panel;

@@ -3,15 +3,16 @@
 use msplines_common::mesh::{Decimated, TriangleMesh};
 use msplines_common::{Point3, Vector3};
 use msplines_picture::{
-    Axis, Callout, Camera, ColourMap, ColourScale, Corner, Curves, Drawing, Image, Paint,
-    PictureError, Radius, Rect, Rgb, Scene, Shading, Spheres, Surface, View, edges,
+    Callout, Camera, ColourMap, ColourScale, Corner, Curves, Drawing, Image, Paint, PictureError,
+    Radius, Rect, Rgb, Scene, Shading, Spheres, Surface, edges,
 };
 
 use super::super::surface_payload::{self, Lines, Points, SurfaceView};
+use super::camera::{camera, framed};
 use super::source::Source;
 use super::values::{SplitFaces, Subject, Values};
 use super::{DrawingOptions, Views};
-use crate::experiment::{Callout as Part, Close, Corner as PartCorner, Edges, Panel, Show, UpAxis};
+use crate::experiment::{Callout as Part, Corner as PartCorner, Edges, Panel, Show};
 use crate::run::CHECKERS;
 
 /// Pieces of edges in a view that can be turned, at most.
@@ -32,7 +33,9 @@ const EDGE: Rgb = Rgb::new(92, 98, 108);
 const SQUARES: [Rgb; 2] = [Rgb::new(244, 241, 234), Rgb::new(64, 104, 150)];
 /// Colour of control triangles, and how much of it hides what is behind.
 const CONTROL: Rgb = Rgb::new(196, 58, 40);
-const CONTROL_OPACITY: f64 = 0.35;
+const CONTROL_OPACITY: f64 = 0.4;
+/// By how much they are nearer to the eye, over their distance from it.
+const CONTROL_LIFT: f64 = 0.004;
 /// About so many control triangles have thick sides.
 const FEW_CONTROL: f64 = 300.0;
 /// Pixels of the corner per pixel of a magnified part.
@@ -103,25 +106,6 @@ pub(super) fn draw(
     Ok(Picture { image, payload })
 }
 
-/// Returns the surface beside which a panel shows a spline; knots are known by their places on the
-/// domain.
-fn framed<'a>(panel: &Panel, source: &'a Source) -> Result<&'a TriangleMesh, String> {
-    Ok(match panel.show {
-        Show::Knots => source.input(),
-        // Charts lie in a plane of their own.
-        Show::Charts => &source.charts()?.mesh,
-        Show::Input
-        | Show::Spline
-        | Show::Error
-        | Show::Field
-        | Show::Target
-        | Show::Checkers
-        | Show::ControlTriangles
-        | Show::Refinement
-        | Show::Isophotes => source.original(),
-    })
-}
-
 /// Returns the input mesh with its vertices moved to the spline.
 fn fitted_input(source: &Source) -> TriangleMesh {
     let count = source.input().vertex_count();
@@ -137,7 +121,6 @@ fn stage<'a>(
 ) -> Result<Stage<'a>, String> {
     let source = subject.source;
     let (paint, colours) = paint(&subject.values, scale);
-    let is_image = matches!(panel.show, Show::Spline | Show::ControlTriangles);
     let lines = match panel.show {
         Show::Input => source.lines().map(|[control, _]| control),
         Show::Spline | Show::ControlTriangles => source.lines().map(|[_, spline]| spline),
@@ -185,7 +168,9 @@ fn stage<'a>(
         colours,
         edges,
         // Creases are red where there are any to tell.
-        edge_colour: if is_image && (lines.is_none() || source.normals().is_some()) {
+        edge_colour: if panel.show == Show::Spline
+            && (lines.is_none() || source.normals().is_some())
+        {
             Rgb::RED
         } else {
             EDGE
@@ -205,24 +190,6 @@ fn stage<'a>(
         },
         camera: camera(panel, source)?,
     })
-}
-
-/// Returns the camera of a panel; all pictures of a row are seen by the same one but close ones.
-pub(super) fn camera(panel: &Panel, source: &Source) -> Result<Camera, String> {
-    let (mesh, view) = (framed(panel, source)?, view(panel, source));
-    let Some(Close { mark, at, radius }) = panel.close else {
-        return Ok(Camera::framing(mesh.positions(), &view));
-    };
-    let [low, high] = mesh.bounding_box();
-    let place = match (at, mark.unwrap_or(0)) {
-        (Some(at), _) => low + (high - low).component_mul(&Vector3::from(at)),
-        (None, mark) => *source.knots.get(mark).ok_or_else(|| {
-            let marks = source.knots.len();
-            format!("no mark {mark} to come close to; there are {marks}")
-        })?,
-    };
-    let reach = Vector3::repeat(radius * mesh.diagonal() / 3.0_f64.sqrt());
-    Ok(Camera::framing(&[place - reach, place + reach], &view))
 }
 
 /// Returns how the surface is painted, and the colour of each of its vertices.
@@ -247,24 +214,28 @@ fn paint<'a>(values: &'a Values, scale: Option<&ColourScale>) -> (Paint<'a>, Vec
     }
 }
 
-fn view(panel: &Panel, source: &Source) -> View {
-    let hint = panel.view.unwrap_or(source.view);
-    View {
-        azimuth: hint.azimuth.to_radians(),
-        elevation: hint.elevation.to_radians(),
-        up: match hint.up {
-            UpAxis::X => Axis::X,
-            UpAxis::Y => Axis::Y,
-            UpAxis::Z => Axis::Z,
-        },
-        ..View::default()
-    }
-}
-
 /// Returns the radius of so many knots in pixels of a picture of 1,000 pixels.
 fn knot_radius(count: usize) -> f64 {
     let [smallest, largest] = KNOT_RADII;
     (KNOT_SHARE / (count.max(1) as f64).sqrt()).clamp(smallest, largest)
+}
+
+/// Control triangles as they are drawn.
+struct Control {
+    lifted: Vec<Point3<f64>>,
+    sides: Vec<[u32; 2]>,
+}
+
+impl Control {
+    /// Moves triangles a little towards the eye: they touch the surface, which would hide half of them.
+    fn new(mesh: &TriangleMesh, camera: &Camera) -> Self {
+        let eye = camera.eye();
+        let lifted = mesh.positions().iter();
+        Self {
+            lifted: lifted.map(|p| p + CONTROL_LIFT * (eye - p)).collect(),
+            sides: edges(mesh.faces()),
+        }
+    }
 }
 
 fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, PictureError> {
@@ -280,14 +251,14 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
         _ => surface,
     };
     scene.add(surface.paint(stage.paint).shading(stage.shading));
-    let sides = stage.control.map(|control| edges(control.faces()));
-    if let (Some(control), Some(sides)) = (stage.control, &sides) {
-        let width = EDGE_WIDTHS[0] + FEW_CONTROL / control.face_count() as f64;
+    let control = stage.control.map(|mesh| Control::new(mesh, &stage.camera));
+    if let (Some(control), Some(mesh)) = (&control, stage.control) {
+        let width = EDGE_WIDTHS[0] + FEW_CONTROL / mesh.face_count() as f64;
         let width = width.min(EDGE_WIDTHS[1]) * per_thousand;
-        let triangles = Surface::new(control.positions(), control.faces());
+        let triangles = Surface::new(&control.lifted, mesh.faces());
         let triangles = triangles.paint(Paint::Uniform(CONTROL));
         scene.add(triangles.shading(Shading::Flat).opacity(CONTROL_OPACITY));
-        let sides = Curves::new(control.positions(), sides);
+        let sides = Curves::new(&control.lifted, &control.sides);
         scene.add(sides.colour(CONTROL).width(width));
     }
     if !stage.edges.is_empty() {

@@ -6,6 +6,7 @@ use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
 use msplines_picture::{Rgb, category_colours, edges};
 
+use super::camera::camera;
 use super::source::{Source, colours};
 use crate::experiment::{FieldColours, Panel, Show};
 use crate::run::CHECKERS;
@@ -106,7 +107,7 @@ const ISOPHOTES: f64 = 48.0;
 fn isophotes(panel: &Panel, source: &Source) -> Result<Values, String> {
     let missing = "only Powell-Sabin splines have exact normals; show the spline instead";
     let normals = source.normals().ok_or_else(|| missing.to_owned())?;
-    let up = super::panel::camera(panel, source)?.up();
+    let up = camera(panel, source)?.up();
     let angle = |v: u32| normals[v as usize].dot(&up).clamp(-1.0, 1.0).acos();
     let unit = ISOPHOTES / CHECKERS / std::f64::consts::PI;
     // Half a square along the other coordinate is one stripe.

@@ -16,7 +16,7 @@ use crate::case::SplineEdit;
 use crate::error::{PowellSabinError, RunError};
 
 /// Segments along a side of a face between which movements are measured.
-const SEGMENTS: u32 = 6;
+const SEGMENTS: u32 = 3;
 /// Points that move by more than this share of the diagonal count as moved: rounding does not.
 const MOVED: f64 = 1e-13;
 
