@@ -47,8 +47,12 @@ pub(super) fn camera(panel: &Panel, source: &Source) -> Result<Camera, String> {
     };
     let reach = Vector3::repeat(radius * mesh.diagonal() / 3.0_f64.sqrt());
     let hint = panel.view.unwrap_or_else(|| above(mesh, &place, hint.up));
-    let box_around = [place - reach, place + reach];
-    Ok(Camera::framing(&box_around, &seen_from(hint)))
+    let corner = |i: usize| {
+        let sign = |axis: usize| if i >> axis & 1 == 0 { -1.0 } else { 1.0 };
+        place + reach.component_mul(&Vector3::new(sign(0), sign(1), sign(2)))
+    };
+    let corners: [Point3<f64>; 8] = std::array::from_fn(corner);
+    Ok(Camera::framing(&corners, &seen_from(hint)))
 }
 
 /// Returns a direction that sees the surface near a place from outside and a little aside.
@@ -73,7 +77,8 @@ fn above(mesh: &TriangleMesh, place: &Point3<f64>, up: UpAxis) -> ViewHint {
     ViewHint {
         up,
         azimuth: second.atan2(first).to_degrees(),
-        elevation: if elevation > 0.0 {
+        // From below its normal a surface is seen in the light, which comes from above.
+        elevation: if elevation > ASIDE - 90.0 {
             elevation - ASIDE
         } else {
             elevation + ASIDE

@@ -17,6 +17,8 @@ use crate::run::CHECKERS;
 
 /// Pieces of edges in a view that can be turned, at most.
 const TURNED_EDGES: usize = 60_000;
+/// Faces of a finer surface than its input in such a view, at most.
+const TURNED_FACES: usize = 100_000;
 /// Meshes of more edges have theirs drawn finer, so that the surface stays visible.
 const FEW_EDGES: f64 = 3_000.0;
 /// Thinnest and thickest edge in pixels of a picture of 1,000 pixels.
@@ -318,10 +320,15 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
 /// large.
 fn turnable(stage: &Stage<'_>, source: &Source, pixels: usize) -> String {
     let own = stage.mesh.positions();
-    let light = match source.domain.light() {
-        Some(light) if stage.mesh.faces() == source.input().faces() => Some(light),
-        _ => None,
+    // The vertices of an interpolant are those of its domain, and then others.
+    let at_vertices = source.normals().is_some() && stage.mesh.face_count() > TURNED_FACES;
+    let faces = if at_vertices {
+        source.input().faces()
+    } else {
+        stage.mesh.faces()
     };
+    let light = source.domain.light();
+    let light = light.filter(|_| faces == source.input().faces());
     let (faces, chosen, colours): (_, Vec<Point3<f64>>, Vec<Rgb>) = match light {
         Some(Decimated {
             mesh,
@@ -336,7 +343,14 @@ fn turnable(stage: &Stage<'_>, source: &Source, pixels: usize) -> String {
                 colours,
             )
         }
-        None => (stage.mesh.faces(), own.to_vec(), stage.colours.clone()),
+        None => {
+            let count = if at_vertices {
+                source.input().vertex_count()
+            } else {
+                own.len()
+            };
+            (faces, own[..count].to_vec(), stage.colours.clone())
+        }
     };
     let array = |p: &Point3<f64>| [p.x, p.y, p.z];
     let positions: Vec<[f64; 3]> = chosen.iter().map(array).collect();

@@ -101,7 +101,7 @@ impl<'a> Subject<'a> {
 }
 
 /// Stripes of equal slope from the lowest to the highest.
-const ISOPHOTES: f64 = 48.0;
+const ISOPHOTES: f64 = 96.0;
 
 /// Returns the texture of stripes across the angle between the normals and what is up in the picture.
 fn isophotes(panel: &Panel, source: &Source) -> Result<Values, String> {
