@@ -160,7 +160,8 @@ impl StoredSpline {
         }
     }
 
-    fn without(&self, task: &'static str) -> RunError {
+    /// Returns the error that a spline of this method does not have a `task`.
+    pub(crate) fn without(&self, task: &'static str) -> RunError {
         RunError::Task {
             task,
             method: self.method(),

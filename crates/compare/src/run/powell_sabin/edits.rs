@@ -1,26 +1,60 @@
-//! Changes of a spline after its fit, and how far they reach.
+//! Changes of a spline after its fit.
 
-use std::collections::{BTreeMap, BTreeSet};
-
-use msplines_common::evaluate::{Order, Samples, SurfaceSpline};
-use msplines_common::mesh::{NONE, SurfacePoint, TriangleMesh};
+use msplines_common::mesh::{SurfacePoint, TriangleMesh};
 use msplines_common::{Point3, Vector3};
 use msplines_powell_sabin::{
     EditError, NewVertex, PowellSabinSpline, PowellSabinSurface, VertexCondition,
 };
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::Produced;
 use super::plane::surface;
+use super::reach::{Reach, Step};
 use crate::case::SplineEdit;
 use crate::error::{PowellSabinError, RunError};
 
-/// Segments along a side of a face between which movements are measured.
-const SEGMENTS: u32 = 3;
-/// Points that move by more than this share of the diagonal count as moved: rounding does not.
-const MOVED: f64 = 1e-13;
+/// A change of a Powell-Sabin spline at a place, in the coordinates of its mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// The place.
+    pub at: Point3<f64>,
+    /// What changes there.
+    pub what: ChangeKind,
+}
 
-/// A place that is nearest to fractions of the sides of the bounding box.
+/// What changes at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ChangeKind {
+    /// A new vertex, in the middle of the face whose middle is nearest.
+    Insert {
+        /// How far the surface moves there.
+        by: Vector3<f64>,
+        /// The normal there; that of the surface where absent.
+        normal: Option<Vector3<f64>>,
+    },
+    /// Another normal at the nearest vertex.
+    Turn(Vector3<f64>),
+    /// The factor by which the control triangle of the nearest vertex grows.
+    Scale(f64),
+}
+
+impl Change {
+    fn of(edit: &SplineEdit, mesh: &TriangleMesh) -> Self {
+        let (at, what) = match *edit {
+            SplineEdit::Insert { at, by, normal } => {
+                let by = Vector3::from(by) * mesh.diagonal();
+                let normal = normal.map(Vector3::from);
+                (at, ChangeKind::Insert { by, normal })
+            }
+            SplineEdit::Turn { at, normal } => (at, ChangeKind::Turn(Vector3::from(normal))),
+            SplineEdit::Scale { at, factor } => (at, ChangeKind::Scale(factor)),
+        };
+        let at = place(mesh, at);
+        Self { at, what }
+    }
+}
+
+/// Returns the place of fractions of the sides of the bounding box.
 pub(super) fn place(mesh: &TriangleMesh, at: [f64; 3]) -> Point3<f64> {
     let [low, high] = mesh.bounding_box();
     low + (high - low).component_mul(&Vector3::from(at))
@@ -33,23 +67,46 @@ pub(super) fn nearest(points: &[Point3<f64>], at: &Point3<f64>) -> u32 {
     found.unwrap_or_default() as u32
 }
 
-/// What an edit did to the domain.
-struct Step {
-    /// The faces before.
-    faces: Vec<[u32; 3]>,
-    /// The new vertex and its place before.
-    inserted: Option<(u32, SurfacePoint)>,
-}
-
-/// Changes a surface without holes, and measures how far that reaches.
+/// Changes what a run produced, and measures how far that reaches.
 ///
 /// # Errors
 /// A surface with holes, or a change that is none.
-pub(super) fn apply(
-    produced: &mut Produced,
-    before: &PowellSabinSurface,
-    edits: &[SplineEdit],
-) -> Result<(), RunError> {
+pub(super) fn apply(produced: &mut Produced, edits: &[SplineEdit]) -> Result<(), RunError> {
+    let mesh = produced.surface.mesh();
+    let changes: Vec<Change> = edits.iter().map(|e| Change::of(e, mesh)).collect();
+    let edited = edited(&produced.surface, &changes)?;
+    for (vertex, condition) in edited.conditions {
+        if vertex as usize == produced.conditions.len() {
+            produced.origins.push(None);
+            produced.conditions.push(condition);
+        } else {
+            produced.conditions[vertex as usize] = condition;
+        }
+    }
+    let positions = edited.surface.mesh().positions();
+    let marks = edited.vertices.iter().map(|&v| positions[v as usize]);
+    produced.marks = marks.collect();
+    produced.surface = edited.surface;
+    produced.checks.extend(edited.checks);
+    Ok(())
+}
+
+/// A changed surface.
+pub(super) struct Edited {
+    pub(super) surface: PowellSabinSurface,
+    /// The vertex of every change.
+    vertices: Vec<u32>,
+    /// What the surface does now at changed vertices; new ones in their order.
+    conditions: Vec<(u32, VertexCondition)>,
+    /// How far the changes reach.
+    pub(super) checks: Vec<(String, Value)>,
+}
+
+/// Changes a surface without holes.
+///
+/// # Errors
+/// A surface with holes, or a change that is none.
+pub(super) fn edited(before: &PowellSabinSurface, changes: &[Change]) -> Result<Edited, RunError> {
     if !before.caps().is_empty() {
         let (what, remedy) = (
             "edits where its form has zeros",
@@ -58,216 +115,95 @@ pub(super) fn apply(
         return Err(PowellSabinError::FitOnly { what, remedy }.into());
     }
     let mut spline = before.regular().clone();
-    let (mut steps, mut places) = (Vec::new(), Vec::new());
-    for edit in edits {
-        let (edited, vertex, step) =
-            one(&spline, edit, produced).map_err(PowellSabinError::from)?;
-        spline = edited;
-        steps.push(step);
-        places.push(vertex);
+    let (mut steps, mut vertices, mut conditions) = (Vec::new(), Vec::new(), Vec::new());
+    for change in changes {
+        let made = Made::by(&spline, change).map_err(PowellSabinError::from)?;
+        spline = made.spline;
+        vertices.push(made.vertex);
+        conditions.extend(made.condition.map(|condition| (made.vertex, condition)));
+        steps.push(made.step);
     }
-    produced.surface = surface(&spline)?;
-    let positions = spline.vertex_values().as_chunks::<3>().0;
-    let marks = places.iter().map(|&v| Point3::from(positions[v as usize]));
-    produced.marks = marks.collect();
-    let reach = Reach::measure(before, &produced.surface, &steps, &places);
-    for (name, value) in [
-        ("edits", json!(edits.len())),
+    let surface = surface(&spline)?;
+    let reach = Reach::measure(before, &surface, &steps, &vertices);
+    let checks = [
+        ("edits", json!(changes.len())),
         ("changed_faces", json!(reach.changed)),
         ("faces", json!(reach.faces)),
         ("largest_movement", json!(reach.largest)),
         ("movement_beyond", json!(reach.beyond)),
-    ] {
-        produced.checks.insert(name.to_owned(), value);
-    }
-    Ok(())
+    ];
+    Ok(Edited {
+        surface,
+        vertices,
+        conditions,
+        checks: checks.map(|(name, value)| (name.to_owned(), value)).into(),
+    })
 }
 
-/// Returns the changed spline, the vertex at which it changed, and what happened to its domain.
-fn one(
-    spline: &PowellSabinSpline,
-    edit: &SplineEdit,
-    produced: &mut Produced,
-) -> Result<(PowellSabinSpline, u32, Step), EditError> {
-    let mesh = spline.flat_domain().mesh();
-    let faces = mesh.faces().to_vec();
-    let unchanged = Step {
-        faces: faces.clone(),
-        inserted: None,
-    };
-    let at_vertex = |at| nearest(mesh.positions(), &place(mesh, at));
-    match *edit {
-        SplineEdit::Turn { at, normal } => {
-            let vertex = at_vertex(at);
-            let normal = Vector3::from(normal);
-            produced.conditions[vertex as usize] = VertexCondition::Interpolate {
-                position: mesh.positions()[vertex as usize],
-                normal,
-            };
-            Ok((spline.with_normal(vertex, normal)?, vertex, unchanged))
-        }
-        SplineEdit::Scale { at, factor } => {
-            let vertex = at_vertex(at);
-            let edited = spline.with_scaled_control_triangle(vertex, factor)?;
-            Ok((edited, vertex, unchanged))
-        }
-        SplineEdit::Insert { at, by, normal } => {
-            let middle = |&[a, b, c]: &[u32; 3]| {
-                let corners = [a, b, c].map(|v| mesh.positions()[v as usize].coords);
-                Point3::from(corners.iter().sum::<Vector3<f64>>() / 3.0)
-            };
-            let middles: Vec<Point3<f64>> = faces.iter().map(middle).collect();
-            let new = NewVertex {
-                place: SurfacePoint {
-                    face: nearest(&middles, &place(mesh, at)),
-                    at: [1.0 / 3.0; 3],
-                },
-                offset: Vector3::from(by) * mesh.diagonal(),
-                normal: normal.map(Vector3::from),
-            };
-            let edited = spline.with_vertex(&new)?;
-            let vertex = mesh.vertex_count() as u32;
-            let position = edited.flat_domain().mesh().positions()[vertex as usize];
-            produced.origins.push(None);
-            produced.conditions.push(match new.normal {
-                Some(normal) => VertexCondition::Interpolate { position, normal },
-                None => VertexCondition::Position { position },
-            });
-            let inserted = Some((vertex, new.place));
-            Ok((edited, vertex, Step { faces, inserted }))
-        }
-    }
+/// What one change makes.
+struct Made {
+    spline: PowellSabinSpline,
+    vertex: u32,
+    condition: Option<VertexCondition>,
+    step: Step,
 }
 
-/// How far changes reach.
-struct Reach {
-    /// Faces of the new domain on which some point moved.
-    changed: usize,
-    /// Faces of the new domain.
-    faces: usize,
-    /// Largest movement, over the diagonal, between points at the same place of the domain.
-    largest: f64,
-    /// Largest movement on faces that have no changed vertex, nor an edge in common with a split face.
-    beyond: f64,
-}
-
-impl Reach {
-    fn measure(
-        before: &PowellSabinSurface,
-        after: &PowellSabinSurface,
-        steps: &[Step],
-        places: &[u32],
-    ) -> Self {
-        let movements = movements(before, after, steps);
-        let topology = after.mesh().topology();
-        let mut allowed: BTreeSet<u32> = BTreeSet::new();
-        let pairs = steps.iter().zip(places);
-        for (step, &vertex) in pairs {
-            for half_edge in topology.outgoing(vertex) {
-                allowed.insert(half_edge / 3);
-                let across = topology.twin(3 * (half_edge / 3) + (half_edge + 1) % 3);
-                if step.inserted.is_some() && across != NONE {
-                    allowed.insert(across / 3);
-                }
-            }
-        }
-        let largest = |over: &mut dyn Iterator<Item = &f64>| over.copied().fold(0.0, f64::max);
-        let faces = movements.iter().enumerate();
-        let mut outside = faces
-            .filter(|(face, _)| !allowed.contains(&(*face as u32)))
-            .map(|(_, movement)| movement);
-        Self {
-            changed: movements.iter().filter(|&&m| m > MOVED).count(),
-            faces: movements.len(),
-            beyond: largest(&mut outside),
-            largest: largest(&mut movements.iter()),
-        }
-    }
-}
-
-/// The largest movement on every face of the new surface, over the diagonal.
-fn movements(before: &PowellSabinSurface, after: &PowellSabinSurface, steps: &[Step]) -> Vec<f64> {
-    let steps: Vec<Traced<'_>> = steps.iter().map(Traced::new).collect();
-    let n = SEGMENTS;
-    let weights: Vec<[f64; 3]> = (0..=n)
-        .flat_map(|i| (0..=n - i).map(move |j| [i, j, n - i - j]))
-        .map(|counts| counts.map(|c| f64::from(c) / f64::from(n)))
-        .collect();
-    let mesh = after.mesh();
-    let faces = 0..mesh.face_count() as u32;
-    let points = |face: u32| weights.iter().map(move |&at| SurfacePoint { face, at });
-    let now: Vec<SurfacePoint> = faces.clone().flat_map(points).collect();
-    let then: Vec<SurfacePoint> = now.iter().map(|p| traced(&steps, mesh, *p)).collect();
-    let (now, then) = (values(after, &now), values(before, &then));
-    let moved: Vec<f64> = now
-        .iter()
-        .zip(&then)
-        .map(|(a, b)| (a - b).norm() / before.mesh().diagonal())
-        .collect();
-    let per_face = moved.chunks_exact(weights.len());
-    per_face
-        .map(|face| face.iter().copied().fold(0.0, f64::max))
-        .collect()
-}
-
-fn values(surface: &PowellSabinSurface, points: &[SurfacePoint]) -> Vec<Point3<f64>> {
-    let mut samples = Samples::default();
-    let prepared = surface.prepare(points, Order::Value);
-    prepared
-        .expect("points of a surface without holes")
-        .evaluate(&mut samples);
-    samples
-        .values
-        .chunks_exact(3)
-        .map(Point3::from_slice)
-        .collect()
-}
-
-/// A step with the faces before it by their vertices.
-struct Traced<'a> {
-    step: &'a Step,
-    by_vertices: BTreeMap<[u32; 3], u32>,
-}
-
-impl<'a> Traced<'a> {
-    fn new(step: &'a Step) -> Self {
-        let faces = step.faces.iter().zip(0..);
-        let by_vertices = faces
-            .map(|(face, number)| (sorted(*face), number))
-            .collect();
-        Self { step, by_vertices }
-    }
-}
-
-fn sorted(mut face: [u32; 3]) -> [u32; 3] {
-    face.sort_unstable();
-    face
-}
-
-/// Returns where a point of the last domain was on the first one.
-fn traced(steps: &[Traced<'_>], mesh: &TriangleMesh, point: SurfacePoint) -> SurfacePoint {
-    let mut corners = mesh.faces()[point.face as usize];
-    let mut point = point;
-    for Traced { step, by_vertices } in steps.iter().rev() {
-        let face = match (by_vertices.get(&sorted(corners)), step.inserted) {
-            (Some(&face), _) => face,
-            (None, Some((_, place))) => place.face,
-            (None, None) => point.face,
+impl Made {
+    fn by(spline: &PowellSabinSpline, change: &Change) -> Result<Self, EditError> {
+        let mesh = spline.flat_domain().mesh();
+        let step = Step {
+            faces: mesh.faces().to_vec(),
+            inserted: None,
         };
-        let old = step.faces[face as usize];
-        let mut at = [0.0; 3];
-        for (vertex, weight) in corners.into_iter().zip(point.at) {
-            match (old.iter().position(|&v| v == vertex), step.inserted) {
-                (Some(corner), _) => at[corner] += weight,
-                (None, Some((_, place))) => {
-                    (0..3).for_each(|i| at[i] += weight * place.at[i]);
-                }
-                (None, None) => {}
+        let vertex = nearest(mesh.positions(), &change.at);
+        match change.what {
+            ChangeKind::Turn(normal) => {
+                let position = mesh.positions()[vertex as usize];
+                Ok(Self {
+                    spline: spline.with_normal(vertex, normal)?,
+                    vertex,
+                    condition: Some(VertexCondition::Interpolate { position, normal }),
+                    step,
+                })
+            }
+            ChangeKind::Scale(factor) => Ok(Self {
+                spline: spline.with_scaled_control_triangle(vertex, factor)?,
+                vertex,
+                condition: None,
+                step,
+            }),
+            ChangeKind::Insert { by, normal } => {
+                let middle = |&[a, b, c]: &[u32; 3]| {
+                    let corners = [a, b, c].map(|v| mesh.positions()[v as usize].coords);
+                    Point3::from(corners.iter().sum::<Vector3<f64>>() / 3.0)
+                };
+                let middles: Vec<Point3<f64>> = mesh.faces().iter().map(middle).collect();
+                let place = SurfacePoint {
+                    face: nearest(&middles, &change.at),
+                    at: [1.0 / 3.0; 3],
+                };
+                let spline = spline.with_vertex(&NewVertex {
+                    place,
+                    offset: by,
+                    normal,
+                })?;
+                let vertex = mesh.vertex_count() as u32;
+                let position = spline.flat_domain().mesh().positions()[vertex as usize];
+                Ok(Self {
+                    spline,
+                    vertex,
+                    condition: Some(match normal {
+                        Some(normal) => VertexCondition::Interpolate { position, normal },
+                        None => VertexCondition::Position { position },
+                    }),
+                    step: Step {
+                        inserted: Some((vertex, place)),
+                        ..step
+                    },
+                })
             }
         }
-        (corners, point) = (old, SurfacePoint { face, at });
     }
-    point
 }
 
 #[cfg(test)]

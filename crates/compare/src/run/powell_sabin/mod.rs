@@ -7,6 +7,7 @@ mod evaluate;
 mod measure;
 mod pictures;
 mod plane;
+mod reach;
 mod write;
 
 use std::collections::BTreeMap;
@@ -28,6 +29,7 @@ use crate::record::Record;
 use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
 use write::Written;
 
+pub use edits::{Change, ChangeKind};
 pub(super) use evaluate::evaluate;
 
 /// Random points at which jumps and folds are looked for.
@@ -82,9 +84,8 @@ fn run(
         (Layout::Plane, Some(function)) => plane::basis_function(&input, function)?,
         (Layout::Plane, None) => plane::fitted(&input, method, clock, observer)?,
     };
-    let before = (!method.edits.is_empty()).then(|| produced.surface.clone());
-    if let Some(before) = &before {
-        edits::apply(&mut produced, before, &method.edits)?;
+    if !method.edits.is_empty() {
+        edits::apply(&mut produced, &method.edits)?;
     }
     let surface = &produced.surface;
     let spline = SplineFile::new(
