@@ -107,6 +107,9 @@ fn run(
     record.warnings.append(&mut produced.warnings);
     let checks = stored.measure(&produced.conditions, case.seed, SAMPLES);
     record.checks.extend(measure::surface(&checks));
+    if let Some(angle) = measure::rim_angle(&stored) {
+        record.checks.insert("rim_angle".to_owned(), json!(angle));
+    }
     let at_vertices = write::at_input_vertices(&stored, &produced.origins, &input.mesh);
     if method.basis.is_none() {
         errors(&mut record, &input, &at_vertices, &produced.origins);
