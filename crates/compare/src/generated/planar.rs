@@ -40,7 +40,7 @@ pub(super) fn hill() -> TriangleMesh {
     let point = |row: usize, column: usize| {
         let seed = (row * columns + column) as f64;
         // Rows inside are shifted against each other, and their points a little besides.
-        let side = if row % 2 == 0 { -SHIFT } else { SHIFT };
+        let side = if row.is_multiple_of(2) { -SHIFT } else { SHIFT };
         let off = if is_inside(row, rows) && is_inside(column, columns) {
             [
                 side + JITTER * (13.0 * seed).sin(),

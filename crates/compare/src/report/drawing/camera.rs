@@ -107,14 +107,14 @@ mod tests {
 
     #[test]
     fn a_place_is_seen_from_outside() {
-        let mesh = shapes::sphere(500);
+        let mesh = shapes::sphere(5000);
         for up in [UpAxis::X, UpAxis::Y, UpAxis::Z] {
-            for place in mesh.positions().iter().step_by(17) {
+            for place in mesh.positions().iter().step_by(97) {
                 let hint = above(&mesh, place, up);
                 let reach = Vector3::repeat(0.1);
                 let camera = Camera::framing(&[place - reach, place + reach], &seen_from(hint));
                 let towards = (camera.eye() - place).normalize().dot(&place.coords);
-                // Thirty degrees aside, and what the normal of faces is off.
+                // Thirty degrees aside, and what the normals of these faces are off.
                 assert!(
                     (towards - ASIDE.to_radians().cos()).abs() < 0.05,
                     "{towards}"

@@ -3,11 +3,13 @@
 
 mod camera;
 mod companions;
+mod fitted;
 mod frames;
 mod panel;
 mod plots;
 mod scales;
 mod source;
+mod turnable;
 mod values;
 
 use std::collections::BTreeMap;

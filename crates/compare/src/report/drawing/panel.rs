@@ -1,24 +1,21 @@
-//! One picture of a row, and the lighter mesh that can be turned in its place.
+//! One picture of a row.
 
-use msplines_common::mesh::{Decimated, TriangleMesh};
+use msplines_common::mesh::TriangleMesh;
 use msplines_common::{Point3, Vector3};
 use msplines_picture::{
     Callout, Camera, ColourMap, ColourScale, Corner, Curves, Drawing, Image, Paint, PictureError,
     Radius, Rect, Rgb, Scene, Shading, Spheres, Surface, edges,
 };
 
-use super::super::surface_payload::{self, Lines, Points, SurfaceView};
 use super::camera::{camera, framed};
+use super::companions::Lines as OwnLines;
 use super::source::Source;
+use super::turnable::turnable;
 use super::values::{SplitFaces, Subject, Values};
 use super::{DrawingOptions, Views};
 use crate::experiment::{Callout as Part, Corner as PartCorner, Edges, Panel, Show};
 use crate::run::CHECKERS;
 
-/// Pieces of edges in a view that can be turned, at most.
-const TURNED_EDGES: usize = 60_000;
-/// Faces of a finer surface than its input in such a view, at most.
-const TURNED_FACES: usize = 100_000;
 /// Meshes of more edges have theirs drawn finer, so that the surface stays visible.
 const FEW_EDGES: f64 = 3_000.0;
 /// Thinnest and thickest edge in pixels of a picture of 1,000 pixels.
@@ -53,26 +50,26 @@ pub(super) struct Picture {
 }
 
 /// What a panel shows, ready to be drawn.
-struct Stage<'a> {
-    mesh: &'a TriangleMesh,
+pub(super) struct Stage<'a> {
+    pub(super) mesh: &'a TriangleMesh,
     /// Exact normals of its vertices, where they are known.
     normals: Option<&'a [Vector3<f64>]>,
     /// Triangles that lie over the surface.
     control: Option<&'a TriangleMesh>,
     /// The surface that the camera is turned to.
-    framed: &'a TriangleMesh,
+    pub(super) framed: &'a TriangleMesh,
     /// The mesh cut along the borders of its cells, where those are painted.
     cells: Option<&'a SplitFaces>,
     paint: Paint<'a>,
-    colours: Vec<Rgb>,
-    edges: Vec<[u32; 2]>,
-    edge_colour: Rgb,
-    edge_width: f64,
+    pub(super) colours: Vec<Rgb>,
+    pub(super) edges: Vec<[u32; 2]>,
+    pub(super) edge_colour: Rgb,
+    pub(super) edge_width: f64,
     /// Edges that are drawn red, or black where the others are red.
     creases: Vec<[u32; 2]>,
     shading: Shading,
-    knots: &'a [Point3<f64>],
-    camera: Camera,
+    pub(super) knots: &'a [Point3<f64>],
+    pub(super) camera: Camera,
 }
 
 /// Draws a panel, or says why it cannot be drawn.
@@ -123,15 +120,7 @@ fn stage<'a>(
 ) -> Result<Stage<'a>, String> {
     let source = subject.source;
     let (paint, colours) = paint(&subject.values, scale);
-    let lines = match panel.show {
-        Show::Input => source.lines().map(|[control, _]| control),
-        Show::Spline | Show::ControlTriangles => source.lines().map(|[_, spline]| spline),
-        Show::Refinement => source.refinement().ok().map(|split| &split.lines),
-        Show::Charts => source.charts().ok().map(|charts| &charts.lines),
-        Show::Field => source.field_lines(panel.on.unwrap_or_default()),
-        Show::Target => source.target().ok().map(|target| &target.1),
-        Show::Error | Show::Knots | Show::Checkers | Show::Isophotes => None,
-    };
+    let lines = lines(panel, source);
     let edges = match (panel.edges, panel.show) {
         (Edges::None, _) => Vec::new(),
         (Edges::Domain, _) if lines.is_some() => lines.map_or_else(Vec::new, |l| l.edges.clone()),
@@ -194,6 +183,19 @@ fn stage<'a>(
     })
 }
 
+/// Returns the lines on the surface of a panel, where a run left them.
+fn lines<'a>(panel: &Panel, source: &'a Source) -> Option<&'a OwnLines> {
+    match panel.show {
+        Show::Input => source.lines().map(|[control, _]| control),
+        Show::Spline | Show::ControlTriangles => source.lines().map(|[_, spline]| spline),
+        Show::Refinement => source.refinement().ok().map(|split| &split.lines),
+        Show::Charts => source.charts().ok().map(|charts| &charts.lines),
+        Show::Field => source.field_lines(panel.on.unwrap_or_default()),
+        Show::Target => source.target().ok().map(|target| &target.1),
+        Show::Error | Show::Knots | Show::Checkers | Show::Isophotes => None,
+    }
+}
+
 /// Returns how the surface is painted, and the colour of each of its vertices.
 fn paint<'a>(values: &'a Values, scale: Option<&ColourScale>) -> (Paint<'a>, Vec<Rgb>) {
     match values {
@@ -217,7 +219,7 @@ fn paint<'a>(values: &'a Values, scale: Option<&ColourScale>) -> (Paint<'a>, Vec
 }
 
 /// Returns the radius of so many knots in pixels of a picture of 1,000 pixels.
-fn knot_radius(count: usize) -> f64 {
+pub(super) fn knot_radius(count: usize) -> f64 {
     let [smallest, largest] = KNOT_RADII;
     (KNOT_SHARE / (count.max(1) as f64).sqrt()).clamp(smallest, largest)
 }
@@ -293,11 +295,22 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
         ..Drawing::default()
     };
     let image = scene.draw(&drawing)?;
-    let Some(Part { at, size, corner }) = panel.callout else {
-        return Ok(image);
-    };
-    let place = |at: f64| ((at - size / 2.0).max(0.0) * pixels as f64) as usize;
-    let side = (size * pixels as f64) as usize;
+    match panel.callout {
+        Some(part) => magnified(part, &scene, &drawing, &image),
+        None => Ok(image),
+    }
+}
+
+/// Returns a picture with a magnified part in a corner.
+fn magnified(
+    Part { at, size, corner }: Part,
+    scene: &Scene<'_>,
+    drawing: &Drawing,
+    image: &Image,
+) -> Result<Image, PictureError> {
+    let pixels = drawing.width as f64;
+    let place = |at: f64| ((at - size / 2.0).max(0.0) * pixels) as usize;
+    let side = (size * pixels) as usize;
     let mut callout = Callout::new(Rect {
         x: place(at[0]),
         y: place(at[1]),
@@ -312,81 +325,6 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
         PartCorner::BottomRight => Corner::BottomRight,
     };
     let detail = Some(callout.detail());
-    let inset = scene.draw(&Drawing { detail, ..drawing })?;
-    callout.place(&image, &inset)
-}
-
-/// Returns the mesh of a panel as text for the page, on the lighter faces of its domain where it is
-/// large.
-fn turnable(stage: &Stage<'_>, source: &Source, pixels: usize) -> String {
-    let own = stage.mesh.positions();
-    // The vertices of an interpolant are those of its domain, and then others.
-    let at_vertices = source.normals().is_some() && stage.mesh.face_count() > TURNED_FACES;
-    let faces = if at_vertices {
-        source.input().faces()
-    } else {
-        stage.mesh.faces()
-    };
-    let light = source.domain.light();
-    let light = light.filter(|_| faces == source.input().faces());
-    let (faces, chosen, colours): (_, Vec<Point3<f64>>, Vec<Rgb>) = match light {
-        Some(Decimated {
-            mesh,
-            vertex_origin,
-        }) => {
-            let at = |&v: &u32| own[v as usize];
-            let colour = |&v: &u32| stage.colours.get(v as usize).copied();
-            let colours = vertex_origin.iter().filter_map(colour).collect();
-            (
-                mesh.faces(),
-                vertex_origin.iter().map(at).collect(),
-                colours,
-            )
-        }
-        None => {
-            let count = if at_vertices {
-                source.input().vertex_count()
-            } else {
-                own.len()
-            };
-            (faces, own[..count].to_vec(), stage.colours.clone())
-        }
-    };
-    let array = |p: &Point3<f64>| [p.x, p.y, p.z];
-    let positions: Vec<[f64; 3]> = chosen.iter().map(array).collect();
-    let colours: Vec<[u8; 3]> = colours.into_iter().map(Rgb::channels).collect();
-    let segments: Vec<[[f64; 3]; 2]> = if stage.edges.len() <= TURNED_EDGES {
-        let ends = stage.edges.iter();
-        ends.map(|edge| edge.map(|v| array(&own[v as usize])))
-            .collect()
-    } else {
-        Vec::new()
-    };
-    let knots: Vec<[f64; 3]> = stage.knots.iter().map(array).collect();
-    let camera = stage.camera;
-    let [low, high] = stage.framed.bounding_box();
-    let target = camera.target(&(low + (high - low) * 0.5));
-    let distance = (target - camera.eye()).norm();
-    let pixel = 2.0 * distance * (camera.field_of_view() / 2.0).tan() / pixels as f64;
-    surface_payload::encode(&SurfaceView {
-        positions: &positions,
-        triangles: faces,
-        colours: &colours,
-        lines: Lines {
-            segments: &segments,
-            colour: stage.edge_colour.channels(),
-            width: stage.edge_width * pixels as f64 / 1000.0,
-        },
-        points: Points {
-            positions: &knots,
-            colour: Rgb::RED.channels(),
-            radius: knot_radius(knots.len()) * pixel * pixels as f64 / 1000.0,
-        },
-        camera: surface_payload::Camera {
-            eye: array(&camera.eye()),
-            target: array(&target),
-            up: camera.up().into(),
-            field_of_view: camera.field_of_view(),
-        },
-    })
+    let inset = scene.draw(&Drawing { detail, ..*drawing })?;
+    callout.place(image, &inset)
 }

@@ -7,7 +7,8 @@ use msplines_common::mesh::TriangleMesh;
 use msplines_picture::{Rgb, category_colours, edges};
 
 use super::camera::camera;
-use super::source::{Source, colours};
+use super::fitted::colours;
+use super::source::Source;
 use crate::experiment::{FieldColours, Panel, Show};
 use crate::run::CHECKERS;
 

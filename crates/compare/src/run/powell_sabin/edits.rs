@@ -254,7 +254,7 @@ mod tests {
         };
         for surface in [GeneratedSurface::Hill, GeneratedSurface::Torus500] {
             let whole = checks(surface, &[]);
-            assert!(whole.checks.get("changed_faces").is_none());
+            assert!(!whole.checks.contains_key("changed_faces"));
             for edits in [
                 vec![turn],
                 vec![scale],
@@ -268,7 +268,7 @@ mod tests {
                 assert!(number("movement_beyond") < 1e-14, "{edits:?}");
                 // Stars of up to three vertices, and three neighbours of a split face.
                 let (changed, faces) = (number("changed_faces"), number("faces"));
-                assert!(changed >= 3.0 && changed <= 24.0 && faces > 2.0 * changed);
+                assert!((3.0..=24.0).contains(&changed) && faces > 2.0 * changed);
                 assert!(number("position_max") < 1e-14 && number("normal_max") < 1e-13);
             }
         }

@@ -56,5 +56,5 @@ pub(in crate::run) fn evaluate(
     write(&evaluation.outputs, &written)?;
     let mut record = record_of(&input, &file, &spline, evaluation.seed);
     record.checks.extend(checks);
-    Ok(output(record, file, shown, &at_vertices, &spline, clock))
+    Ok(output(record, file, &shown, &at_vertices, &spline, clock))
 }

@@ -124,7 +124,11 @@ mod tests {
             let input = Input::Surface(GeneratedSurface::Genus2Small);
             let case = Case::new(input, Method::PowellSabin(Box::new(method)));
             let output = run(&case, Instant::now(), &mut unobserved()).expect("a surface");
-            output.record.checks.get("rim_angle").and_then(|angle| angle.as_f64())
+            output
+                .record
+                .checks
+                .get("rim_angle")
+                .and_then(|angle| angle.as_f64())
         };
         assert_eq!(angle(Fill::Open), None);
         let (minimal, smooth) = (angle(Fill::Minimal), angle(Fill::Smooth));

@@ -101,15 +101,7 @@ fn run(
     let shown = stored.tessellate(method.tessellate.unwrap_or(segments(&stored)));
     enter("measure", clock, observer);
     let mut record = record_of(&input, &spline, &stored, case.seed);
-    record.outcome = produced.outcome;
-    record.checks.append(&mut produced.checks);
-    record.warnings = input.warnings.clone();
-    record.warnings.append(&mut produced.warnings);
-    let checks = stored.measure(&produced.conditions, case.seed, SAMPLES);
-    record.checks.extend(measure::surface(&checks));
-    if let Some(angle) = measure::rim_angle(&stored) {
-        record.checks.insert("rim_angle".to_owned(), json!(angle));
-    }
+    fill_in(&mut record, &input, &stored, &mut produced);
     let at_vertices = write::at_input_vertices(&stored, &produced.origins, &input.mesh);
     if method.basis.is_none() {
         errors(&mut record, &input, &at_vertices, &produced.origins);
@@ -129,7 +121,7 @@ fn run(
     if let Some(charts) = &charts {
         record.checks.extend(charts.checks());
     }
-    let mut output = output(record, spline, shown, &at_vertices, &stored, clock);
+    let mut output = output(record, spline, &shown, &at_vertices, &stored, clock);
     output.knots = produced.marks;
     pictures::add_molecule(&mut output.companions, produced.molecule);
     if method.layout == Layout::Plane {
@@ -141,11 +133,29 @@ fn run(
     Ok(output)
 }
 
+/// Fills in what is known of a surface before and after it is measured.
+fn fill_in(
+    record: &mut Record,
+    input: &LoadedInput,
+    stored: &PowellSabinSurface,
+    produced: &mut Produced,
+) {
+    record.outcome = produced.outcome;
+    record.checks.append(&mut produced.checks);
+    record.warnings.clone_from(&input.warnings);
+    record.warnings.append(&mut produced.warnings);
+    let checks = stored.measure(&produced.conditions, record.seed, SAMPLES);
+    record.checks.extend(measure::surface(&checks));
+    if let Some(angle) = measure::rim_angle(stored) {
+        record.checks.insert("rim_angle".to_owned(), json!(angle));
+    }
+}
+
 /// Fills in what is known at the end.
 fn output(
     mut record: Record,
     file: SplineFile,
-    shown: Tessellation,
+    shown: &Tessellation,
     at_vertices: &TriangleMesh,
     spline: &PowellSabinSurface,
     clock: &mut PhaseClock,
@@ -156,8 +166,8 @@ fn output(
     record.seconds = clock.read();
     record.peak_rss_bytes = process_usage().peak_rss_bytes;
     let fields = pictures::normals(&shown.normals);
-    let companions = pictures::companions(spline, &shown);
-    let mesh = triangles(&shown);
+    let companions = pictures::companions(spline, shown);
+    let mesh = triangles(shown);
     RunOutput {
         record,
         spline: Some(file),
