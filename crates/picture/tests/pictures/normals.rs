@@ -1,41 +1,35 @@
 //! Surfaces whose normals are known.
 
 use msplines_picture::{PictureError, Scene, Shading, Surface};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 use crate::{PLAIN, ball, before};
 
 #[test]
-fn exact_normals_light_coarse_facets_as_the_surface_itself() {
-    let bytes = |rings: u32, exact: bool, shading| {
-        let (positions, faces) = ball(1.0, rings);
-        let normals: Vec<Vector3<f64>> = positions.iter().map(|p| p.coords.normalize()).collect();
+fn known_normals_are_lit_in_place_of_the_means_of_faces() {
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let positions = corners.map(|[x, y]| Point3::new(x, y, 0.0));
+    let faces = [[0, 1, 2], [0, 2, 3]];
+    let lit = |normal: Option<[f64; 3]>, shading| {
+        let normals = [Vector3::from(normal.unwrap_or_default()).normalize(); 4];
         let surface = Surface::new(&positions, &faces).shading(shading);
         let mut scene = Scene::new(before(4.0));
-        scene.add(if exact {
-            surface.normals(&normals)
-        } else {
-            surface
+        scene.add(match normal {
+            Some(_) => surface.normals(&normals),
+            None => surface,
         });
         scene.draw(&PLAIN).expect("a picture").bytes().to_vec()
     };
-    let truth = bytes(200, true, Shading::Smooth);
-    // Away from the rim, where a coarse ball is smaller.
-    let apart = |other: &[u8]| {
-        let rows = (60..140).flat_map(|row| (60..140).map(move |column| 3 * (200 * row + column)));
-        let differences = rows.map(|i| u64::from(truth[i].abs_diff(other[i])));
-        differences.sum::<u64>()
-    };
-    let (means, exact) = (
-        apart(&bytes(9, false, Shading::Smooth)),
-        apart(&bytes(9, true, Shading::Smooth)),
-    );
-    assert!(2 * exact < means, "{exact} {means}");
+    let sum = |bytes: &[u8]| bytes.iter().map(|&b| u64::from(b)).sum::<u64>();
+    let means = lit(None, Shading::Smooth);
+    assert_eq!(lit(Some([0.0, 0.0, 1.0]), Shading::Smooth), means);
+    // The key light stands at the upper left of the eye.
+    let (towards, away) = ([-0.5, 0.5, 1.0], [0.5, -0.5, 1.0]);
+    let towards = sum(&lit(Some(towards), Shading::Smooth));
+    let opposed = sum(&lit(Some(away), Shading::Smooth));
+    assert!(towards > sum(&means) && sum(&means) > opposed);
     // Flat faces have normals of their own.
-    assert_eq!(
-        bytes(9, true, Shading::Flat),
-        bytes(9, false, Shading::Flat)
-    );
+    assert_eq!(lit(Some(away), Shading::Flat), lit(None, Shading::Flat));
 }
 
 #[test]

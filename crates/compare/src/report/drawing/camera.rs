@@ -113,7 +113,8 @@ mod tests {
                 let hint = above(&mesh, place, up);
                 let reach = Vector3::repeat(0.1);
                 let camera = Camera::framing(&[place - reach, place + reach], &seen_from(hint));
-                let towards = (camera.eye() - place).normalize().dot(&place.coords);
+                let away = camera.eye() - camera.target(place);
+                let towards = away.normalize().dot(&place.coords);
                 // Thirty degrees aside, and what the normals of these faces are off.
                 assert!(
                     (towards - ASIDE.to_radians().cos()).abs() < 0.05,
