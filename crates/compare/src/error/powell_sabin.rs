@@ -22,6 +22,14 @@ pub enum PowellSabinError {
         /// What to do.
         remedy: &'static str,
     },
+    /// A change of a spline of another method.
+    #[error(
+        "{method} has no control triangles to change; reshape a spline of `msplines fit powell-sabin`"
+    )]
+    NotReshaped {
+        /// The method.
+        method: &'static str,
+    },
     /// Too few or too many segments.
     #[error("--tessellate {segments}: give a number from 1 to 64")]
     Segments {
@@ -38,6 +46,7 @@ impl PowellSabinError {
             Self::Surface(SurfaceError::Fit(FitError::Weights { .. }))
             | Self::Edit(_)
             | Self::FitOnly { .. }
+            | Self::NotReshaped { .. }
             | Self::Segments { .. } => exit::USAGE,
             Self::Surface(SurfaceError::Fit(
                 FitError::Normal { .. } | FitError::NotFinite { .. },

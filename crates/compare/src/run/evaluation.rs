@@ -13,7 +13,7 @@ use super::{
 };
 use crate::case::Data;
 use crate::clock::PhaseClock;
-use crate::error::{RunError, TrivariateError};
+use crate::error::{PowellSabinError, RunError, TrivariateError};
 use crate::input::{fit_data, load_domain};
 use crate::measure::{self, Measured};
 use crate::output::{check_outputs, write_outputs};
@@ -83,7 +83,8 @@ pub fn evaluate(
         }
         // All others refuse what only these have.
         other if !evaluation.changes.is_empty() => {
-            return Err(other.without("change of normals or control triangles"));
+            let method = other.method();
+            return Err(PowellSabinError::NotReshaped { method }.into());
         }
         StoredSpline::Trivariate(_) => {
             return solid::evaluate(evaluation, spline, &mut clock, observer);

@@ -160,8 +160,7 @@ impl StoredSpline {
         }
     }
 
-    /// Returns the error that a spline of this method does not have a `task`.
-    pub(crate) fn without(&self, task: &'static str) -> RunError {
+    fn without(&self, task: &'static str) -> RunError {
         RunError::Task {
             task,
             method: self.method(),
