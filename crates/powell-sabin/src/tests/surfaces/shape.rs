@@ -68,7 +68,11 @@ fn round_surfaces_are_approached() {
             // direction. At the pole caps of a fixed size on the surface keep that; the map into them
             // is less smooth.
             let rate = (coarse[k] / fine[k]).log2() / 2.0;
-            let due = if name == "sphere" { [2.8, 1.4] } else { [2.9, 1.9] };
+            let due = if name == "sphere" {
+                [2.8, 1.4]
+            } else {
+                [2.9, 1.9]
+            };
             assert!(rate > due[k], "{name}: {rate} {coarse:?} {fine:?}");
             // Caps are no worse than what is around them.
             assert!(
