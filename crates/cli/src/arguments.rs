@@ -10,7 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use msplines_compare::case::{Amount, Knots};
 
 pub(crate) use conformal::Conformal;
-pub(crate) use powell_sabin::{Fill, PowellSabin, Weights};
+pub(crate) use powell_sabin::{Fill, PowellSabin, Reshape, Weights};
 pub(crate) use solid::{Deform, Map, SolidFit, Trivariate};
 
 /// Splines on triangle meshes of any shape.
@@ -67,6 +67,8 @@ pub(crate) enum Command {
     Deform(Deform),
     /// Move control points of a biharmonic B-spline.
     Edit(Edit),
+    /// Change a Powell-Sabin spline without zeros: new vertices, normals, control triangles.
+    Reshape(Reshape),
     /// Add biharmonic B-splines on the same mesh.
     Combine(Combine),
     /// Lay out a surface in the plane, keeping angles.

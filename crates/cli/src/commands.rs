@@ -12,7 +12,8 @@ use msplines_compare::run::{self, Evaluation, Shift};
 use msplines_ls_mesh::Constraints;
 
 use crate::arguments::{
-    BiharmonicChoices, Combine, Decompose, Deform, Edit, Effort, Evaluate, Fit, FitFiles, Selection,
+    BiharmonicChoices, Combine, Decompose, Deform, Edit, Effort, Evaluate, Fit, FitFiles, Reshape,
+    Selection,
 };
 use crate::manifold;
 use crate::powell_sabin;
@@ -68,6 +69,21 @@ pub(crate) fn deform(deform: &Deform, session: &Session) -> Result<u8, Failure> 
     run_evaluation("deform", &solid::deformation(deform, session), session)
 }
 
+/// Changes a Powell-Sabin spline in a file.
+pub(crate) fn reshape(reshape: &Reshape, session: &Session) -> Result<u8, Failure> {
+    if reshape.insert.is_empty() && reshape.turn.is_empty() && reshape.scale.is_empty() {
+        return Err(Failure {
+            code: exit::USAGE,
+            text: "give --insert, --turn or --scale".to_owned(),
+        });
+    }
+    run_evaluation(
+        "reshape",
+        &powell_sabin::reshaping(reshape, session),
+        session,
+    )
+}
+
 /// Adds splines in files.
 pub(crate) fn combine(combine: &Combine, session: &Session) -> Result<u8, Failure> {
     let term = |text: &String| {
@@ -88,6 +104,7 @@ fn evaluation(evaluate: &Evaluate, session: &Session) -> Evaluation {
         spline: evaluate.spline.clone(),
         mesh: evaluate.mesh.clone(),
         shifts: Vec::new(),
+        changes: Vec::new(),
         sum: None,
         subdivide: evaluate.subdivide,
         cells: evaluate.tessellate.map(|cells| cells as usize),

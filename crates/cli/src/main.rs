@@ -41,6 +41,7 @@ fn main() -> ExitCode {
             Command::Evaluate(evaluate) => commands::evaluate(evaluate, &session),
             Command::Conformal(conformal) => conformal::run(conformal, &session),
             Command::Deform(deform) => commands::deform(deform, &session),
+            Command::Reshape(reshape) => commands::reshape(reshape, &session),
         }
     });
     match outcome {

@@ -1,9 +1,11 @@
-//! `msplines fit powell-sabin`.
+//! `msplines fit powell-sabin` and `msplines reshape`.
 
+use msplines_common::{Point3, Vector3};
 use msplines_compare::case::{Case, Input, Method, PowellSabinMethod};
+use msplines_compare::run::{Change, ChangeKind, Evaluation};
 use msplines_powell_sabin::{Fairness, Options, SurfaceOptions};
 
-use crate::arguments::{Fill, PowellSabin, Weights};
+use crate::arguments::{Fill, PowellSabin, Reshape, Weights};
 use crate::session::Session;
 
 /// Returns the run that the arguments ask for.
@@ -32,11 +34,42 @@ pub(crate) fn case(arguments: &PowellSabin, session: &Session) -> Case {
             },
         },
         tessellate: arguments.tessellate,
+        ..PowellSabinMethod::default()
     };
     Case {
         outputs: arguments.outputs.clone(),
         seed: session.seed,
         measure_distance: arguments.distance,
         ..Case::new(input, Method::PowellSabin(Box::new(method)))
+    }
+}
+
+/// Returns the evaluation of a spline that is changed.
+pub(crate) fn reshaping(reshape: &Reshape, session: &Session) -> Evaluation {
+    let change = |at: &[f64], what| Change {
+        at: Point3::from_slice(&at[..3]),
+        what,
+    };
+    let vector = |numbers: &[f64; 6]| Vector3::from_column_slice(&numbers[3..]);
+    let inserted = reshape.insert.iter().map(|numbers| {
+        let (by, normal) = (vector(numbers), None);
+        change(numbers, ChangeKind::Insert { by, normal })
+    });
+    let turned = reshape.turn.iter();
+    let turned = turned.map(|numbers| change(numbers, ChangeKind::Turn(vector(numbers))));
+    let scaled = reshape.scale.iter();
+    let scaled = scaled.map(|numbers| change(numbers, ChangeKind::Scale(numbers[3])));
+    Evaluation {
+        spline: reshape.spline.clone(),
+        mesh: None,
+        shifts: Vec::new(),
+        changes: inserted.chain(turned).chain(scaled).collect(),
+        sum: None,
+        subdivide: 0,
+        cells: reshape.tessellate.map(|segments| segments as usize),
+        at: None,
+        moved: Vec::new(),
+        outputs: reshape.outputs.clone(),
+        seed: session.seed,
     }
 }

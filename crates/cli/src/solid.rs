@@ -90,6 +90,7 @@ pub(crate) fn deformation(deform: &Deform, session: &Session) -> Evaluation {
         spline: deform.spline.clone(),
         mesh: None,
         shifts: Vec::new(),
+        changes: Vec::new(),
         sum: None,
         subdivide: 0,
         cells: deform.tessellate.map(|cells| cells as usize),

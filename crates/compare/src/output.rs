@@ -152,6 +152,8 @@ pub(crate) fn write_texture(path: &Path, texture: &[[[f64; 2]; 3]]) -> Result<()
 pub const ROW_SURFACE: &str = "surface.ply";
 /// File of a row that holds the places of its knots or control vertices on the domain.
 pub const ROW_KNOTS: &str = "knots.ply";
+/// Attributes of a surface that are its exact normals.
+pub(crate) const NORMALS: [&str; 3] = ["normal_x", "normal_y", "normal_z"];
 /// File of a row that holds the texture coordinates of its surface.
 pub(crate) const ROW_TEXTURE: &str = "texture.npy";
 

@@ -178,6 +178,11 @@ impl Camera {
         self.axes * (point - self.eye) / self.radius
     }
 
+    /// Returns a direction in the camera's axes.
+    pub(crate) fn turned(self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.axes * direction
+    }
+
     /// Returns how many pixels the unit at distance 1 spans in a picture of this size.
     pub(crate) fn focal(&self, width: f64, height: f64) -> f64 {
         (width / 2.0 / self.tangents[0]).min(height / 2.0 / self.tangents[1])

@@ -1,6 +1,6 @@
 //! What a picture shows: surfaces, curves and spheres, and how they are painted.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use crate::colour_map::ColourScale;
 use crate::{Camera, Drawing, Image, PictureError, Rgb};
@@ -54,6 +54,7 @@ pub struct Surface<'a> {
     pub(crate) faces: &'a [[u32; 3]],
     pub(crate) paint: Paint<'a>,
     pub(crate) shading: Shading,
+    pub(crate) normals: Option<&'a [Vector3<f64>]>,
     pub(crate) opacity: f64,
 }
 
@@ -66,8 +67,17 @@ impl<'a> Surface<'a> {
             faces,
             paint: Paint::Uniform(Rgb::CLAY),
             shading: Shading::Smooth,
+            normals: None,
             opacity: 1.0,
         }
+    }
+
+    /// Returns the surface with these unit normals at its vertices in place of the means of its faces,
+    /// for a surface whose own are known; of smooth shading only.
+    #[must_use]
+    pub fn normals(self, normals: &'a [Vector3<f64>]) -> Self {
+        let normals = Some(normals);
+        Self { normals, ..self }
     }
 
     /// Returns the surface with this paint.

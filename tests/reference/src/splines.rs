@@ -104,6 +104,7 @@ pub fn write(
         cells: Some(cells),
         at: None,
         moved: Vec::new(),
+        changes: Vec::new(),
         outputs: outputs.clone(),
         seed: 0,
     };

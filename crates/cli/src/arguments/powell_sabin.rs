@@ -70,3 +70,35 @@ pub(crate) enum Fill {
     /// A spline in a chart around the zero, without a seam.
     Smooth,
 }
+
+/// `msplines reshape`.
+#[derive(Debug, Args)]
+pub(crate) struct Reshape {
+    /// Spline file that `msplines fit powell-sabin -o FILE.json` wrote, of a torus or a surface with a
+    /// boundary.
+    pub(crate) spline: PathBuf,
+    /// Insert a vertex in the middle of the face nearest to a place, and move the surface there; first
+    /// of all, more than one by repeating.
+    #[arg(long, value_name = "X,Y,Z:DX,DY,DZ", value_parser = numbers::<6>, allow_hyphen_values = true)]
+    pub(crate) insert: Vec<[f64; 6]>,
+    /// Give the vertex nearest to a place another normal; more than one by repeating.
+    #[arg(long, value_name = "X,Y,Z:NX,NY,NZ", value_parser = numbers::<6>, allow_hyphen_values = true)]
+    pub(crate) turn: Vec<[f64; 6]>,
+    /// Scale the control triangle of the vertex nearest to a place; more than one by repeating.
+    #[arg(long, value_name = "X,Y,Z:FACTOR", value_parser = numbers::<4>, allow_hyphen_values = true)]
+    pub(crate) scale: Vec<[f64; 4]>,
+    /// Triangles along each side of a face in files of the surface, with exact normals.
+    #[arg(long, value_name = "N")]
+    pub(crate) tessellate: Option<u32>,
+    /// File to write, as of the fit; more than one by repeating.
+    #[arg(short, long = "output", value_name = "OUT", required = true)]
+    pub(crate) outputs: Vec<PathBuf>,
+}
+
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let numbers: Result<Vec<f64>, _> = text.split([',', ':']).map(|n| n.trim().parse()).collect();
+    match numbers.map(<[f64; N]>::try_from) {
+        Ok(Ok(all)) if all.iter().all(|x| x.is_finite()) => Ok(all),
+        _ => Err(format!("give {N} finite numbers, a place first")),
+    }
+}

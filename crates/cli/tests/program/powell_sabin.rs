@@ -79,6 +79,50 @@ fn a_stored_surface_is_evaluated_to_the_same_bytes() {
 }
 
 #[test]
+fn a_stored_spline_is_reshaped_near_a_vertex_only() {
+    let workbench = workbench();
+    workbench.expect(0, "fit powell-sabin ring.ply -o s.json -o before.ply");
+    let changes = "--insert 0,1,0.4:0,0,0.02 --turn 1.4,0,0:1,0,0.3 --scale -1.4,0,0:2";
+    workbench.expect(
+        0,
+        &format!("reshape s.json {changes} -o t.json -o after.ply --report r.json"),
+    );
+    let checks = &workbench.json("r.json")["checks"];
+    let number = |name: &str| checks[name].as_f64().expect(name);
+    assert_eq!(number("edits"), 3.0);
+    assert!(number("largest_movement") > 1e-3, "{checks}");
+    assert!(number("movement_beyond") < 1e-14, "{checks}");
+    assert!(10.0 * number("changed_faces") < number("faces"), "{checks}");
+    // Old vertices stay, and the new one is the last.
+    let (before, after) = (workbench.soup("before.ply"), workbench.soup("after.ply"));
+    assert_eq!(after.positions.len(), before.positions.len() + 1);
+    let pairs = before.positions.iter().zip(&after.positions);
+    assert!(pairs.into_iter().all(|(a, b)| (a - b).norm() < 1e-12));
+    workbench.expect(0, "evaluate t.json -o again.ply");
+    assert_eq!(workbench.bytes("after.ply"), workbench.bytes("again.ply"));
+}
+
+#[test]
+fn what_cannot_be_reshaped_says_so() {
+    let workbench = workbench();
+    workbench.expect(0, "fit powell-sabin two.ply -o two.json");
+    let zeros = workbench.expect(2, "reshape two.json --scale 0,0,0:2 -o x.ply");
+    assert!(zeros.err.contains("zeros"), "{}", zeros.err);
+    workbench.expect(0, "fit powell-sabin ring.ply -o ring.json");
+    let nothing = workbench.expect(2, "reshape ring.json -o x.ply");
+    assert!(
+        nothing.err.contains("--insert, --turn or --scale"),
+        "{}",
+        nothing.err
+    );
+    workbench.expect(2, "reshape ring.json --scale 0,0,0:0 -o x.ply");
+    workbench.expect(2, "reshape ring.json --turn 0,0,0 -o x.ply");
+    workbench.expect(0, "fit ls-mesh ring.ply --controls 50 -o ls.json");
+    let other = workbench.expect(2, "reshape ls.json --scale 0,0,0:2 -o x.ply");
+    assert!(other.err.contains("fit powell-sabin"), "{}", other.err);
+}
+
+#[test]
 fn holes_are_filled_as_asked() {
     let workbench = workbench();
     for (fill, caps) in [("open", [0, 0]), ("minimal", [0, 2]), ("smooth", [2, 0])] {

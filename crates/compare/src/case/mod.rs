@@ -19,7 +19,7 @@ use crate::generated::{ChartFunction, ControlShape, GeneratedSurface, NetworkSha
 pub use conformal::{ConformalMethod, Form, FormError};
 pub use edit::{Edit, Move};
 pub use manifold::{ChartMethod, Creases, CurveNetworkMethod, Polygons, SparseManifoldMethod};
-pub use powell_sabin::PowellSabinMethod;
+pub use powell_sabin::{BasisFunction, Layout, PowellSabinMethod, SplineEdit};
 pub use solid::{Cut, Filler, LatticeMove, SolidMap, TrivariateMethod};
 
 /// One run: an input, the data on it, a method with its options, and what to write.

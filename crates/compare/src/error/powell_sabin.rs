@@ -1,6 +1,6 @@
 //! Why a surface has no Powell-Sabin spline, and which exit code says so.
 
-use msplines_powell_sabin::{FitError, SurfaceError};
+use msplines_powell_sabin::{EditError, FitError, SurfaceError};
 
 use super::exit;
 
@@ -11,6 +11,9 @@ pub enum PowellSabinError {
     /// The fit failed.
     #[error("powell-sabin: {0}")]
     Surface(#[from] SurfaceError),
+    /// A change of it is none.
+    #[error("powell-sabin: {0}")]
+    Edit(#[from] EditError),
     /// Something that these splines do not have.
     #[error("a Powell-Sabin spline has no {what}; {remedy}")]
     FitOnly {
@@ -18,6 +21,14 @@ pub enum PowellSabinError {
         what: &'static str,
         /// What to do.
         remedy: &'static str,
+    },
+    /// A change of a spline of another method.
+    #[error(
+        "{method} has no control triangles to change; reshape a spline of `msplines fit powell-sabin`"
+    )]
+    NotReshaped {
+        /// The method.
+        method: &'static str,
     },
     /// Too few or too many segments.
     #[error("--tessellate {segments}: give a number from 1 to 64")]
@@ -33,7 +44,9 @@ impl PowellSabinError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Surface(SurfaceError::Fit(FitError::Weights { .. }))
+            | Self::Edit(_)
             | Self::FitOnly { .. }
+            | Self::NotReshaped { .. }
             | Self::Segments { .. } => exit::USAGE,
             Self::Surface(SurfaceError::Fit(
                 FitError::Normal { .. } | FitError::NotFinite { .. },

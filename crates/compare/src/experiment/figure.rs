@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{FieldColours, FieldScale, FieldSurface};
+use super::{Callout, Close, FieldColours, FieldScale, FieldSurface, ViewHint};
 
 /// A figure: panels side by side.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,6 +60,8 @@ pub struct Panel {
     pub edges: Edges,
     /// Direction it is seen from; that of the model where absent.
     pub view: Option<ViewHint>,
+    /// A part that fills the picture; all of the surface where absent.
+    pub close: Option<Close>,
     /// A part that is magnified in a corner.
     pub callout: Option<Callout>,
 }
@@ -82,6 +84,15 @@ pub enum Show {
     Target,
     /// A checkerboard on the surface of a conformal atlas.
     Checkers,
+    /// A Powell-Sabin spline with its control triangles, which let the surface shine through.
+    ControlTriangles,
+    /// The domain of a Powell-Sabin spline with its faces split into six.
+    Refinement,
+    /// Two overlapping charts of a Powell-Sabin spline, laid out in the plane.
+    Charts,
+    /// Stripes of equal slope on a spline whose exact normals are known: they bend where curvature
+    /// jumps, and break where normals do.
+    Isophotes,
 }
 
 impl Panel {
@@ -93,6 +104,9 @@ impl Panel {
 
     /// Returns which fields contradict each other, and what to write.
     pub(super) fn problem(&self) -> Option<&'static str> {
+        if let Some(problem) = self.close.as_ref().and_then(Close::problem) {
+            return Some(problem);
+        }
         let says_how = self.field.is_some()
             || self.on.is_some()
             || self.colours.is_some()
@@ -139,68 +153,6 @@ pub enum Edges {
     None,
     /// The edges of the domain mesh, or their images on the spline.
     Domain,
-}
-
-/// Where a surface is seen from.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct ViewHint {
-    /// Axis that points up.
-    pub up: UpAxis,
-    /// Degrees around that axis.
-    pub azimuth: f64,
-    /// Degrees above the horizon.
-    pub elevation: f64,
-}
-
-impl Default for ViewHint {
-    fn default() -> Self {
-        Self {
-            up: UpAxis::Y,
-            azimuth: 25.0,
-            elevation: 20.0,
-        }
-    }
-}
-
-/// An axis that points up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum UpAxis {
-    /// The first.
-    X,
-    /// The second.
-    Y,
-    /// The third.
-    Z,
-}
-
-/// A magnified part of a picture; lengths are fractions of its side.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Callout {
-    /// Middle of the part, from the left and from the top.
-    pub at: [f64; 2],
-    /// Side of the part.
-    pub size: f64,
-    /// Where the magnified part goes.
-    #[serde(default)]
-    pub corner: Corner,
-}
-
-/// A corner of a picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Corner {
-    /// At the top, left.
-    TopLeft,
-    /// At the top, right.
-    TopRight,
-    /// At the bottom, left.
-    BottomLeft,
-    /// At the bottom, right.
-    #[default]
-    BottomRight,
 }
 
 /// A plot: one point per row and one series per [`Row::series`](super::Row::series), or one series

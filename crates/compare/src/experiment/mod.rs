@@ -10,6 +10,7 @@ mod printed;
 mod property;
 mod row;
 mod solid;
+mod view;
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -18,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 pub use column::{Column, Notation};
 pub use field::{FieldColours, FieldScale, FieldSurface};
-pub use figure::{Axis, Callout, Corner, Edges, Figure, Panel, Plot, Show, UpAxis, ViewHint};
+pub use figure::{Axis, Edges, Figure, Panel, Plot, Show};
 pub use manifold::{LocalName, RowManifold, Settings, Tags};
 pub use network::RowNetwork;
 pub use over_time::RowFrames;
@@ -26,6 +27,7 @@ pub use printed::{Printed, Recorded};
 pub use property::{Measured, Property, splines};
 pub use row::{Ancestors, MethodName, Row, RowData};
 pub use solid::{FitName, RowSolid, first_level};
+pub use view::{Callout, Close, Corner, UpAxis, ViewHint};
 
 /// The schema of [`Experiment`].
 pub const EXPERIMENT_SCHEMA: &str = "msplines.experiment/1";

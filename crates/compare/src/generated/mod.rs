@@ -4,6 +4,7 @@ mod chart;
 mod colours;
 mod control;
 mod network;
+mod planar;
 mod solid;
 
 use std::fmt;
@@ -61,11 +62,24 @@ pub enum GeneratedSurface {
     Vase,
     /// A hexagonal nut with a collar, about 8,000 vertices: sharp edges and corners.
     Nut,
+    /// A torus of about 500 vertices.
+    #[serde(rename = "torus-500")]
+    Torus500,
+    /// A surface with two handles of about 2,000 vertices.
+    #[serde(rename = "genus-2-2k")]
+    Genus2Coarse,
+    /// A surface with two handles of about 500 vertices.
+    #[serde(rename = "genus-2-500")]
+    Genus2Small,
+    /// A flat plate of a dozen vertices, triangulated after Delaunay.
+    Plate,
+    /// A hill over a rectangle, 48 vertices triangulated after Delaunay.
+    Hill,
 }
 
 impl GeneratedSurface {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 19] = [
         Self::BumpySphere,
         Self::BumpySphere5k,
         Self::BumpySphere500,
@@ -80,6 +94,11 @@ impl GeneratedSurface {
         Self::BumpySphere100k,
         Self::BumpySphere1m,
         Self::Torus,
+        Self::Torus500,
+        Self::Genus2Coarse,
+        Self::Genus2Small,
+        Self::Plate,
+        Self::Hill,
     ];
 
     /// Returns the name in experiments and records.
@@ -100,6 +119,11 @@ impl GeneratedSurface {
             Self::Sphere => "sphere",
             Self::Vase => "vase",
             Self::Nut => "nut",
+            Self::Torus500 => "torus-500",
+            Self::Genus2Coarse => "genus-2-2k",
+            Self::Genus2Small => "genus-2-500",
+            Self::Plate => "plate",
+            Self::Hill => "hill",
         }
     }
 
@@ -121,6 +145,11 @@ impl GeneratedSurface {
             Self::Sphere => shapes::sphere(5_000),
             Self::Vase => shapes::vase(5_000),
             Self::Nut => shapes::nut(8_000),
+            Self::Torus500 => shapes::torus(1.0, 0.4, 500),
+            Self::Genus2Coarse => shapes::genus(2, 2_500),
+            Self::Genus2Small => shapes::genus(2, 600),
+            Self::Plate => planar::plate(),
+            Self::Hill => planar::hill(),
         }
     }
 }
@@ -151,7 +180,7 @@ impl FromStr for GeneratedSurface {
 /// No surface of this name can be generated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no surface `{name}`; there are bumpy-sphere (also -500, -5k, -100k, -1m, -irregular), torus, torus-knot, genus-2, genus-3, genus-8, sphere, vase and nut"
+    "no surface `{name}`; there are bumpy-sphere (also -500, -5k, -100k, -1m, -irregular), torus (also -500), torus-knot, genus-2 (also -2k, -500), genus-3, genus-8, sphere, vase, nut, plate and hill"
 )]
 pub struct UnknownSurface {
     /// The name.

@@ -8,12 +8,12 @@ use msplines_common::progress::{Observer, Outcome};
 use serde_json::{Value, json};
 
 use super::{
-    RunOutput, Shift, Summary, check_finite, edits, enter, manifold, powell_sabin, record, solid,
-    sums,
+    Change, RunOutput, Shift, Summary, check_finite, edits, enter, manifold, powell_sabin, record,
+    solid, sums,
 };
 use crate::case::Data;
 use crate::clock::PhaseClock;
-use crate::error::{RunError, TrivariateError};
+use crate::error::{PowellSabinError, RunError, TrivariateError};
 use crate::input::{fit_data, load_domain};
 use crate::measure::{self, Measured};
 use crate::output::{check_outputs, write_outputs};
@@ -28,6 +28,8 @@ pub struct Evaluation {
     pub mesh: Option<PathBuf>,
     /// Control points that are moved before.
     pub shifts: Vec<Shift>,
+    /// Changes of a Powell-Sabin spline before, in this order.
+    pub changes: Vec<Change>,
     /// Factor of the spline, and other splines on the same mesh that are added with theirs.
     pub sum: Option<(f64, Vec<(PathBuf, f64)>)>,
     /// Rounds of midpoint subdivision.
@@ -76,11 +78,16 @@ pub fn evaluate(
     enter("read", &mut clock, observer);
     let spline = SplineFile::read(&evaluation.spline)?;
     match &spline.spline {
-        StoredSpline::Trivariate(_) => {
-            return solid::evaluate(evaluation, spline, &mut clock, observer);
-        }
         StoredSpline::PowellSabin(_) => {
             return powell_sabin::evaluate(evaluation, spline, &mut clock, observer);
+        }
+        // All others refuse what only these have.
+        other if !evaluation.changes.is_empty() => {
+            let method = other.method();
+            return Err(PowellSabinError::NotReshaped { method }.into());
+        }
+        StoredSpline::Trivariate(_) => {
+            return solid::evaluate(evaluation, spline, &mut clock, observer);
         }
         StoredSpline::SparseManifold(_) => {
             evaluation.check_surface(&spline.spline)?;

@@ -36,6 +36,7 @@ pub use evaluation::{Evaluation, evaluate};
 pub use frames::ShownFrame;
 pub use manifold::Companion;
 pub(crate) use manifold::creases_file;
+pub use powell_sabin::{Change, ChangeKind};
 
 /// What a run gives.
 #[derive(Clone, Debug)]

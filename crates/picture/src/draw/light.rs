@@ -80,9 +80,10 @@ impl<'a> Mesh<'a> {
             .iter()
             .map(|p| camera.to_view(p))
             .collect();
-        let normals = match surface.shading {
-            Shading::Smooth => vertex_normals(&corners, surface.faces),
-            Shading::Flat => Vec::new(),
+        let normals = match (surface.shading, surface.normals) {
+            (Shading::Smooth, None) => vertex_normals(&corners, surface.faces),
+            (Shading::Smooth, Some(own)) => own.iter().map(|n| camera.turned(n).cast()).collect(),
+            (Shading::Flat, _) => Vec::new(),
         };
         Self {
             first,

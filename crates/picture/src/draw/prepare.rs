@@ -118,6 +118,9 @@ fn check_surface(object: usize, surface: &Surface<'_>) -> Result<(), PictureErro
     check_indices(object, surface.positions, surface.faces)?;
     check_option("opacity", surface.opacity, is_share, "from 0 to 1")?;
     let (vertices, faces) = (surface.positions.len(), surface.faces.len());
+    if let Some(normals) = surface.normals {
+        check_count(object, "normals", normals.len(), vertices)?;
+    }
     let (what, found, expected) = match surface.paint {
         Paint::Uniform(_) => return Ok(()),
         Paint::Colours(colours) => ("colours of vertices", colours.len(), vertices),
@@ -133,6 +136,15 @@ fn check_surface(object: usize, surface: &Surface<'_>) -> Result<(), PictureErro
             ("texture corners", corners.len(), faces)
         }
     };
+    check_count(object, what, found, expected)
+}
+
+fn check_count(
+    object: usize,
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), PictureError> {
     if found == expected {
         return Ok(());
     }

@@ -1,6 +1,7 @@
 //! Laws of whole pictures: what must be seen, where, and in which colour.
 
 mod checkers;
+mod normals;
 
 use msplines_picture::{
     Camera, ColourMap, ColourScale, Curves, Detail, Drawing, Image, Occlusion, Paint, PictureError,

@@ -52,6 +52,12 @@ pub(super) struct SolidSurfaces {
     pub(super) cut: Option<FieldMesh>,
     /// Lines on the boundary of the spline.
     pub(super) spline: Lines,
+    /// Control triangles, where there are any.
+    pub(super) control: Option<FieldMesh>,
+    /// The domain with its faces split, where that is kept.
+    pub(super) refinement: Option<FieldMesh>,
+    /// Two charts in the plane, where they are kept.
+    pub(super) charts: Option<FieldMesh>,
 }
 
 impl SolidSurfaces {
@@ -70,6 +76,9 @@ impl SolidSurfaces {
             input: field_mesh("input")?,
             cut: field_mesh("cut").ok(),
             spline: lines(files, "spline")?,
+            control: field_mesh("control").ok(),
+            refinement: field_mesh("refinement").ok(),
+            charts: field_mesh("charts").ok(),
         })
     }
 }

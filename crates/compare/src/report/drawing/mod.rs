@@ -1,12 +1,15 @@
 //! The pictures of a report: figures of surfaces from the files of its rows, and plots of its
 //! quantities.
 
+mod camera;
 mod companions;
+mod fitted;
 mod frames;
 mod panel;
 mod plots;
 mod scales;
 mod source;
+mod turnable;
 mod values;
 
 use std::collections::BTreeMap;

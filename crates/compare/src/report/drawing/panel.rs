@@ -1,21 +1,21 @@
-//! One picture of a row, and the lighter mesh that can be turned in its place.
+//! One picture of a row.
 
-use msplines_common::Point3;
-use msplines_common::mesh::{Decimated, TriangleMesh};
+use msplines_common::mesh::TriangleMesh;
+use msplines_common::{Point3, Vector3};
 use msplines_picture::{
-    Axis, Callout, Camera, ColourMap, ColourScale, Corner, Curves, Drawing, Image, Paint,
-    PictureError, Radius, Rect, Rgb, Scene, Shading, Spheres, Surface, View, edges,
+    Callout, Camera, ColourMap, ColourScale, Corner, Curves, Drawing, Image, Paint, PictureError,
+    Radius, Rect, Rgb, Scene, Shading, Spheres, Surface, edges,
 };
 
-use super::super::surface_payload::{self, Lines, Points, SurfaceView};
+use super::camera::{camera, framed};
+use super::companions::Lines as OwnLines;
 use super::source::Source;
+use super::turnable::turnable;
 use super::values::{SplitFaces, Subject, Values};
 use super::{DrawingOptions, Views};
-use crate::experiment::{Callout as Part, Corner as PartCorner, Edges, Panel, Show, UpAxis};
+use crate::experiment::{Callout as Part, Corner as PartCorner, Edges, Panel, Show};
 use crate::run::CHECKERS;
 
-/// Pieces of edges in a view that can be turned, at most.
-const TURNED_EDGES: usize = 60_000;
 /// Meshes of more edges have theirs drawn finer, so that the surface stays visible.
 const FEW_EDGES: f64 = 3_000.0;
 /// Thinnest and thickest edge in pixels of a picture of 1,000 pixels.
@@ -30,6 +30,13 @@ const KNOT_SHARE: f64 = 130.0;
 const EDGE: Rgb = Rgb::new(92, 98, 108);
 /// Colours of the squares of a checkerboard.
 const SQUARES: [Rgb; 2] = [Rgb::new(244, 241, 234), Rgb::new(64, 104, 150)];
+/// Colour of control triangles, and how much of it hides what is behind.
+const CONTROL: Rgb = Rgb::new(196, 58, 40);
+const CONTROL_OPACITY: f64 = 0.4;
+/// By how much they are nearer to the eye, over their distance from it.
+const CONTROL_LIFT: f64 = 0.004;
+/// About so many control triangles have thick sides.
+const FEW_CONTROL: f64 = 300.0;
 /// Pixels of the corner per pixel of a magnified part.
 const MAGNIFICATION: usize = 3;
 /// What numbers are painted with where their scale is not known: all errors are zero, which is good,
@@ -43,22 +50,26 @@ pub(super) struct Picture {
 }
 
 /// What a panel shows, ready to be drawn.
-struct Stage<'a> {
-    mesh: &'a TriangleMesh,
+pub(super) struct Stage<'a> {
+    pub(super) mesh: &'a TriangleMesh,
+    /// Exact normals of its vertices, where they are known.
+    normals: Option<&'a [Vector3<f64>]>,
+    /// Triangles that lie over the surface.
+    control: Option<&'a TriangleMesh>,
     /// The surface that the camera is turned to.
-    framed: &'a TriangleMesh,
+    pub(super) framed: &'a TriangleMesh,
     /// The mesh cut along the borders of its cells, where those are painted.
     cells: Option<&'a SplitFaces>,
     paint: Paint<'a>,
-    colours: Vec<Rgb>,
-    edges: Vec<[u32; 2]>,
-    edge_colour: Rgb,
-    edge_width: f64,
-    /// Edges that are drawn red.
+    pub(super) colours: Vec<Rgb>,
+    pub(super) edges: Vec<[u32; 2]>,
+    pub(super) edge_colour: Rgb,
+    pub(super) edge_width: f64,
+    /// Edges that are drawn red, or black where the others are red.
     creases: Vec<[u32; 2]>,
     shading: Shading,
-    knots: &'a [Point3<f64>],
-    camera: Camera,
+    pub(super) knots: &'a [Point3<f64>],
+    pub(super) camera: Camera,
 }
 
 /// Draws a panel, or says why it cannot be drawn.
@@ -73,28 +84,25 @@ pub(super) fn draw(
     let fitted = (panel.show == Show::Error).then(|| fitted_input(source));
     let mesh = match (panel.show, &fitted) {
         (_, Some(fitted)) => fitted,
-        (Show::Spline | Show::Checkers, None) => &source.spline,
+        (Show::Spline | Show::Checkers | Show::ControlTriangles | Show::Isophotes, None) => {
+            &source.spline
+        }
+        (Show::Refinement, None) => &source.refinement()?.mesh,
+        (Show::Charts, None) => &source.charts()?.mesh,
         (Show::Field, None) => source.shown(panel.on.unwrap_or_default())?.0,
         (Show::Target, None) => &source.target()?.0,
-        (Show::Input | Show::Knots | Show::Error, None) => framed(panel, source),
+        (Show::Input | Show::Knots | Show::Error, None) => framed(panel, source)?,
     };
-    let stage = stage(panel, subject, mesh, scale);
+    let stage = stage(panel, subject, mesh, scale)?;
     let image = still(&stage, panel, options.pixels).map_err(|e| e.to_string())?;
-    // Views that can be turned have colours of vertices only.
-    let is_turnable = options.views == Views::Turnable && panel.show != Show::Checkers;
+    // Views that can be turned have colours of vertices only, and hold one surface.
+    let is_still = matches!(
+        panel.show,
+        Show::Checkers | Show::ControlTriangles | Show::Isophotes
+    );
+    let is_turnable = options.views == Views::Turnable && !is_still;
     let payload = is_turnable.then(|| turnable(&stage, source, options.pixels));
     Ok(Picture { image, payload })
-}
-
-/// Returns the surface beside which a panel shows a spline; knots are known by their places on the
-/// domain.
-fn framed<'a>(panel: &Panel, source: &'a Source) -> &'a TriangleMesh {
-    match panel.show {
-        Show::Knots => source.input(),
-        Show::Input | Show::Spline | Show::Error | Show::Field | Show::Target | Show::Checkers => {
-            source.original()
-        }
-    }
 }
 
 /// Returns the input mesh with its vertices moved to the spline.
@@ -109,17 +117,10 @@ fn stage<'a>(
     subject: &'a Subject<'_>,
     mesh: &'a TriangleMesh,
     scale: Option<&ColourScale>,
-) -> Stage<'a> {
+) -> Result<Stage<'a>, String> {
     let source = subject.source;
     let (paint, colours) = paint(&subject.values, scale);
-    let is_image = panel.show == Show::Spline;
-    let lines = match panel.show {
-        Show::Input => source.lines().map(|[control, _]| control),
-        Show::Spline => source.lines().map(|[_, spline]| spline),
-        Show::Field => source.field_lines(panel.on.unwrap_or_default()),
-        Show::Target => source.target().ok().map(|target| &target.1),
-        Show::Error | Show::Knots | Show::Checkers => None,
-    };
+    let lines = lines(panel, source);
     let edges = match (panel.edges, panel.show) {
         (Edges::None, _) => Vec::new(),
         (Edges::Domain, _) if lines.is_some() => lines.map_or_else(Vec::new, |l| l.edges.clone()),
@@ -129,20 +130,27 @@ fn stage<'a>(
     let creases = lines.filter(|_| panel.edges == Edges::Domain);
     let creases = creases.map_or_else(Vec::new, |lines| lines.creases.clone());
     let facets = match panel.show {
-        Show::Spline | Show::Target | Show::Checkers => false,
+        Show::Spline | Show::Target | Show::Checkers | Show::ControlTriangles | Show::Isophotes => {
+            false
+        }
         Show::Field => lines.is_none(),
-        Show::Input | Show::Knots | Show::Error => true,
+        Show::Input | Show::Knots | Show::Error | Show::Refinement | Show::Charts => true,
     };
     // The images of edges come in pieces.
     let pieces = match panel.show {
-        Show::Spline | Show::Field => source.pieces_per_edge(),
-        Show::Input | Show::Knots | Show::Error | Show::Target | Show::Checkers => 1.0,
+        Show::Spline | Show::Field | Show::ControlTriangles => source.pieces_per_edge(),
+        _ => 1.0,
     };
     let count = edges.len() as f64 / pieces;
     let [thinnest, thickest] = EDGE_WIDTHS;
-    Stage {
+    Ok(Stage {
         mesh,
-        framed: framed(panel, source),
+        normals: source.normals().filter(|n| n.len() == mesh.vertex_count()),
+        control: match panel.show {
+            Show::ControlTriangles => Some(&source.control()?.mesh),
+            _ => None,
+        },
+        framed: framed(panel, source)?,
         cells: match &subject.values {
             Values::Cells { split, .. } => Some(split),
             _ => None,
@@ -151,7 +159,9 @@ fn stage<'a>(
         colours,
         edges,
         // Creases are red where there are any to tell.
-        edge_colour: if is_image && lines.is_none() {
+        edge_colour: if panel.show == Show::Spline
+            && (lines.is_none() || source.normals().is_some())
+        {
             Rgb::RED
         } else {
             EDGE
@@ -169,8 +179,20 @@ fn stage<'a>(
         } else {
             &[]
         },
-        // All pictures of a row are seen by the same camera.
-        camera: Camera::framing(framed(panel, source).positions(), &view(panel, source)),
+        camera: camera(panel, source)?,
+    })
+}
+
+/// Returns the lines on the surface of a panel, where a run left them.
+fn lines<'a>(panel: &Panel, source: &'a Source) -> Option<&'a OwnLines> {
+    match panel.show {
+        Show::Input => source.lines().map(|[control, _]| control),
+        Show::Spline | Show::ControlTriangles => source.lines().map(|[_, spline]| spline),
+        Show::Refinement => source.refinement().ok().map(|split| &split.lines),
+        Show::Charts => source.charts().ok().map(|charts| &charts.lines),
+        Show::Field => source.field_lines(panel.on.unwrap_or_default()),
+        Show::Target => source.target().ok().map(|target| &target.1),
+        Show::Error | Show::Knots | Show::Checkers | Show::Isophotes => None,
     }
 }
 
@@ -196,24 +218,28 @@ fn paint<'a>(values: &'a Values, scale: Option<&ColourScale>) -> (Paint<'a>, Vec
     }
 }
 
-fn view(panel: &Panel, source: &Source) -> View {
-    let hint = panel.view.unwrap_or(source.view);
-    View {
-        azimuth: hint.azimuth.to_radians(),
-        elevation: hint.elevation.to_radians(),
-        up: match hint.up {
-            UpAxis::X => Axis::X,
-            UpAxis::Y => Axis::Y,
-            UpAxis::Z => Axis::Z,
-        },
-        ..View::default()
-    }
-}
-
 /// Returns the radius of so many knots in pixels of a picture of 1,000 pixels.
-fn knot_radius(count: usize) -> f64 {
+pub(super) fn knot_radius(count: usize) -> f64 {
     let [smallest, largest] = KNOT_RADII;
     (KNOT_SHARE / (count.max(1) as f64).sqrt()).clamp(smallest, largest)
+}
+
+/// Control triangles as they are drawn.
+struct Control {
+    lifted: Vec<Point3<f64>>,
+    sides: Vec<[u32; 2]>,
+}
+
+impl Control {
+    /// Moves triangles a little towards the eye: they touch the surface, which would hide half of them.
+    fn new(mesh: &TriangleMesh, camera: &Camera) -> Self {
+        let eye = camera.eye();
+        let lifted = mesh.positions().iter();
+        Self {
+            lifted: lifted.map(|p| p + CONTROL_LIFT * (eye - p)).collect(),
+            sides: edges(mesh.faces()),
+        }
+    }
 }
 
 fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, PictureError> {
@@ -224,7 +250,21 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
         Some(split) => Surface::new(&split.positions, &split.faces),
         None => Surface::new(positions, stage.mesh.faces()),
     };
+    let surface = match stage.normals {
+        Some(normals) if stage.cells.is_none() => surface.normals(normals),
+        _ => surface,
+    };
     scene.add(surface.paint(stage.paint).shading(stage.shading));
+    let control = stage.control.map(|mesh| Control::new(mesh, &stage.camera));
+    if let (Some(control), Some(mesh)) = (&control, stage.control) {
+        let width = EDGE_WIDTHS[0] + FEW_CONTROL / mesh.face_count() as f64;
+        let width = width.min(EDGE_WIDTHS[1]) * per_thousand;
+        let triangles = Surface::new(&control.lifted, mesh.faces());
+        let triangles = triangles.paint(Paint::Uniform(CONTROL));
+        scene.add(triangles.shading(Shading::Flat).opacity(CONTROL_OPACITY));
+        let sides = Curves::new(&control.lifted, &control.sides);
+        scene.add(sides.colour(CONTROL).width(width));
+    }
     if !stage.edges.is_empty() {
         let curves = Curves::new(positions, &stage.edges)
             .colour(stage.edge_colour)
@@ -233,7 +273,11 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
     }
     if !stage.creases.is_empty() {
         let curves = Curves::new(positions, &stage.creases)
-            .colour(Rgb::RED)
+            .colour(if stage.edge_colour == Rgb::RED {
+                Rgb::INK
+            } else {
+                Rgb::RED
+            })
             .width(CREASE_WIDTH * stage.edge_width * per_thousand);
         scene.add(curves);
     }
@@ -251,11 +295,22 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
         ..Drawing::default()
     };
     let image = scene.draw(&drawing)?;
-    let Some(Part { at, size, corner }) = panel.callout else {
-        return Ok(image);
-    };
-    let place = |at: f64| ((at - size / 2.0).max(0.0) * pixels as f64) as usize;
-    let side = (size * pixels as f64) as usize;
+    match panel.callout {
+        Some(part) => magnified(part, &scene, &drawing, &image),
+        None => Ok(image),
+    }
+}
+
+/// Returns a picture with a magnified part in a corner.
+fn magnified(
+    Part { at, size, corner }: Part,
+    scene: &Scene<'_>,
+    drawing: &Drawing,
+    image: &Image,
+) -> Result<Image, PictureError> {
+    let pixels = drawing.width as f64;
+    let place = |at: f64| ((at - size / 2.0).max(0.0) * pixels) as usize;
+    let side = (size * pixels) as usize;
     let mut callout = Callout::new(Rect {
         x: place(at[0]),
         y: place(at[1]),
@@ -270,69 +325,6 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
         PartCorner::BottomRight => Corner::BottomRight,
     };
     let detail = Some(callout.detail());
-    let inset = scene.draw(&Drawing { detail, ..drawing })?;
-    callout.place(&image, &inset)
-}
-
-/// Returns the mesh of a panel as text for the page, on the lighter faces of its domain where it is
-/// large.
-fn turnable(stage: &Stage<'_>, source: &Source, pixels: usize) -> String {
-    let own = stage.mesh.positions();
-    let light = match source.domain.light() {
-        Some(light) if stage.mesh.faces() == source.input().faces() => Some(light),
-        _ => None,
-    };
-    let (faces, chosen, colours): (_, Vec<Point3<f64>>, Vec<Rgb>) = match light {
-        Some(Decimated {
-            mesh,
-            vertex_origin,
-        }) => {
-            let at = |&v: &u32| own[v as usize];
-            let colour = |&v: &u32| stage.colours.get(v as usize).copied();
-            let colours = vertex_origin.iter().filter_map(colour).collect();
-            (
-                mesh.faces(),
-                vertex_origin.iter().map(at).collect(),
-                colours,
-            )
-        }
-        None => (stage.mesh.faces(), own.to_vec(), stage.colours.clone()),
-    };
-    let array = |p: &Point3<f64>| [p.x, p.y, p.z];
-    let positions: Vec<[f64; 3]> = chosen.iter().map(array).collect();
-    let colours: Vec<[u8; 3]> = colours.into_iter().map(Rgb::channels).collect();
-    let segments: Vec<[[f64; 3]; 2]> = if stage.edges.len() <= TURNED_EDGES {
-        let ends = stage.edges.iter();
-        ends.map(|edge| edge.map(|v| array(&own[v as usize])))
-            .collect()
-    } else {
-        Vec::new()
-    };
-    let knots: Vec<[f64; 3]> = stage.knots.iter().map(array).collect();
-    let camera = stage.camera;
-    let [low, high] = stage.framed.bounding_box();
-    let target = camera.target(&(low + (high - low) * 0.5));
-    let distance = (target - camera.eye()).norm();
-    let pixel = 2.0 * distance * (camera.field_of_view() / 2.0).tan() / pixels as f64;
-    surface_payload::encode(&SurfaceView {
-        positions: &positions,
-        triangles: faces,
-        colours: &colours,
-        lines: Lines {
-            segments: &segments,
-            colour: stage.edge_colour.channels(),
-            width: stage.edge_width * pixels as f64 / 1000.0,
-        },
-        points: Points {
-            positions: &knots,
-            colour: Rgb::RED.channels(),
-            radius: knot_radius(knots.len()) * pixel * pixels as f64 / 1000.0,
-        },
-        camera: surface_payload::Camera {
-            eye: array(&camera.eye()),
-            target: array(&target),
-            up: camera.up().into(),
-            field_of_view: camera.field_of_view(),
-        },
-    })
+    let inset = scene.draw(&Drawing { detail, ..*drawing })?;
+    callout.place(image, &inset)
 }

@@ -4,19 +4,20 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock};
 
-use msplines_common::Point3;
 use msplines_common::mesh::{Decimated, TriangleMesh, VertexAttribute, decimate, edge_pieces};
+use msplines_common::{Point3, Vector3};
 use msplines_io::{read_npy, read_points};
-use msplines_picture::{Rgb, edges};
+use msplines_picture::edges;
 
-use super::companions::{Companions, Lines, SolidSurfaces};
+use super::companions::{Companions, FieldMesh, Lines, SolidSurfaces};
+use super::fitted::Fitted;
 use super::frames;
 use crate::campaign::{RowReport, Sources};
 use crate::case::Input;
 use crate::clock::PhaseClock;
-use crate::experiment::{FieldSurface, MethodName, RowData, ViewHint};
-use crate::input::{FitData, LoadedInput, fit_data, load, read_surface};
-use crate::output::{ROW_KNOTS, ROW_SURFACE, ROW_TEXTURE};
+use crate::experiment::{FieldSurface, MethodName, ViewHint};
+use crate::input::{LoadedInput, load, read_surface};
+use crate::output::{NORMALS, ROW_KNOTS, ROW_SURFACE, ROW_TEXTURE};
 
 /// Larger meshes get lighter ones to turn.
 const LIGHT_ENOUGH: usize = 24_000;
@@ -112,6 +113,8 @@ pub(super) struct Source {
     solid: Option<SolidSurfaces>,
     /// Texture coordinates of the corners of every face of the stored surface of an atlas.
     texture: Option<Vec<[[f64; 2]; 3]>>,
+    /// Exact unit normals of the stored surface, where they are known.
+    normals: Option<Vec<Vector3<f64>>>,
     /// Rounds of subdivision from the input to the spline.
     rounds: u32,
     /// Where it is seen from.
@@ -120,14 +123,6 @@ pub(super) struct Source {
 
 /// A surface with the numbers at its vertices and the lines on it.
 pub(super) type Shown<'a> = (&'a TriangleMesh, &'a [VertexAttribute], Option<&'a Lines>);
-
-/// A fit beside its data.
-pub(super) struct Fitted {
-    /// Colours of the data and of the spline, where the data are colours.
-    pub(super) colours: Option<[Vec<Rgb>; 2]>,
-    /// Error at each vertex of the input, over the scale of the data.
-    pub(super) errors: Vec<f64>,
-}
 
 impl Source {
     /// Loads the files of a row that ran, or says why they cannot be used.
@@ -187,6 +182,7 @@ impl Source {
             },
             companions,
             solid,
+            normals: normals(&attributes),
             texture: is_atlas.then(|| texture(files)).transpose()?,
             frame,
             spline,
@@ -239,6 +235,44 @@ impl Source {
         texture.ok_or_else(|| "its run left no texture; only conformal atlases have one".to_owned())
     }
 
+    /// Returns the exact normals of the stored surface, where they are known.
+    pub(super) fn normals(&self) -> Option<&[Vector3<f64>]> {
+        self.normals.as_deref()
+    }
+
+    /// Returns the control triangles.
+    pub(super) fn control(&self) -> Result<&FieldMesh, String> {
+        self.beside(
+            |beside| beside.control.as_ref(),
+            "no control triangles; only Powell-Sabin splines have them",
+        )
+    }
+
+    /// Returns the domain with its faces split.
+    pub(super) fn refinement(&self) -> Result<&FieldMesh, String> {
+        self.beside(
+            |beside| beside.refinement.as_ref(),
+            "no refinement; give `layout = \"plane\"`",
+        )
+    }
+
+    /// Returns two charts in the plane.
+    pub(super) fn charts(&self) -> Result<&FieldMesh, String> {
+        self.beside(
+            |beside| beside.charts.as_ref(),
+            "no charts; give their places as `charts`",
+        )
+    }
+
+    fn beside(
+        &self,
+        which: impl Fn(&SolidSurfaces) -> Option<&FieldMesh>,
+        missing: &str,
+    ) -> Result<&FieldMesh, String> {
+        let found = self.solid.as_ref().and_then(which);
+        found.ok_or_else(|| format!("its run left {missing}"))
+    }
+
     /// Returns the surface that is approximated and the lines on it.
     pub(super) fn target(&self) -> Result<&(TriangleMesh, Lines), String> {
         let companions = self.companions.as_ref();
@@ -267,6 +301,10 @@ impl Source {
 
     /// Returns how many pieces of an edge of the domain lie on the spline.
     pub(super) fn pieces_per_edge(&self) -> f64 {
+        if let (Some(_), Some(beside)) = (&self.normals, &self.solid) {
+            let edges = self.input().topology().edge_count().max(1);
+            return beside.spline.edges.len() as f64 / edges as f64;
+        }
         f64::from(self.rounds).exp2()
     }
 
@@ -282,6 +320,15 @@ impl Source {
     }
 }
 
+/// Returns the normals among attributes.
+fn normals(attributes: &[VertexAttribute]) -> Option<Vec<Vector3<f64>>> {
+    let component = |name: &str| attributes.iter().find(|a| a.name == name);
+    let [x, y, z] = NORMALS.map(component);
+    let (x, y, z) = (&x?.values, &y?.values, &z?.values);
+    let vertices = 0..x.len();
+    Some(vertices.map(|v| Vector3::new(x[v], y[v], z[v])).collect())
+}
+
 /// Returns the texture coordinates in the folder of a row.
 fn texture(files: &Path) -> Result<Vec<[[f64; 2]; 3]>, String> {
     let array = read_npy(&files.join(ROW_TEXTURE)).map_err(|e| e.to_string())?;
@@ -291,98 +338,7 @@ fn texture(files: &Path) -> Result<Vec<[[f64; 2]; 3]>, String> {
         .collect())
 }
 
-fn missing() -> String {
+/// What is said where files of a row are gone.
+pub(super) fn missing() -> String {
     "its files are missing; run the row again with --fresh".to_owned()
-}
-
-impl Fitted {
-    fn of(
-        data: RowData,
-        input: &LoadedInput,
-        spline: &TriangleMesh,
-        attributes: &[VertexAttribute],
-    ) -> Result<Self, String> {
-        if spline.vertex_count() < input.mesh.vertex_count() {
-            return Err(missing());
-        }
-        let fitted = fit_data(&data.data(), input).map_err(|e| e.to_string())?;
-        let values = values(spline, attributes, &fitted)?;
-        Ok(Self {
-            errors: errors(&fitted, &values),
-            colours: data
-                .are_colours()
-                .then(|| [colours(&fitted.values), colours(&values)]),
-        })
-    }
-
-    fn of_frame(original: &TriangleMesh, spline: &TriangleMesh, input: &LoadedInput) -> Self {
-        let pairs = original.positions().iter().zip(spline.positions());
-        // One scale for all frames.
-        let scale = input.mesh.diagonal();
-        Self {
-            errors: pairs.map(|(a, b)| (a - b).norm() / scale).collect(),
-            colours: None,
-        }
-    }
-
-    /// Returns the mean of the errors.
-    pub(super) fn mean_error(&self) -> f64 {
-        self.errors.iter().sum::<f64>() / self.errors.len().max(1) as f64
-    }
-
-    /// Returns the error below which the share `share` of the vertices lies.
-    pub(super) fn error_quantile(&self, share: f64) -> f64 {
-        let mut sorted = self.errors.clone();
-        sorted.sort_by(f64::total_cmp);
-        let at = (share * sorted.len() as f64) as usize;
-        sorted
-            .get(at.min(sorted.len().saturating_sub(1)))
-            .copied()
-            .unwrap_or(0.0)
-    }
-}
-
-/// Returns the spline's values, `[vertex][component]`.
-fn values(
-    spline: &TriangleMesh,
-    attributes: &[VertexAttribute],
-    data: &FitData,
-) -> Result<Vec<f64>, String> {
-    if data.names == ["x", "y", "z"] {
-        let positions = spline.positions().iter();
-        return Ok(positions.flat_map(|p| [p.x, p.y, p.z]).collect());
-    }
-    let mut columns = Vec::with_capacity(data.names.len());
-    for name in &data.names {
-        let found = attributes.iter().find(|attribute| attribute.name == *name);
-        columns.push(
-            &found
-                .ok_or_else(|| format!("its file has no `{name}`"))?
-                .values,
-        );
-    }
-    let vertices = 0..spline.vertex_count();
-    Ok(vertices
-        .flat_map(|vertex| columns.iter().map(move |column| column[vertex]))
-        .collect())
-}
-
-fn errors(data: &FitData, values: &[f64]) -> Vec<f64> {
-    let pairs = data.values.chunks(data.dimension);
-    pairs
-        .zip(values.chunks(data.dimension))
-        .map(|(expected, found)| {
-            let squares = expected.iter().zip(found).map(|(a, b)| (a - b) * (a - b));
-            squares.sum::<f64>().sqrt() / data.scale
-        })
-        .collect()
-}
-
-/// Returns the colours whose channels in 0..=1 are `values`, `[vertex][channel]`.
-pub(super) fn colours(values: &[f64]) -> Vec<Rgb> {
-    let byte = |value: f64| (255.0 * value.clamp(0.0, 1.0)).round() as u8;
-    values
-        .chunks_exact(3)
-        .map(|c| Rgb::new(byte(c[0]), byte(c[1]), byte(c[2])))
-        .collect()
 }

@@ -6,8 +6,11 @@ use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
 use msplines_picture::{Rgb, category_colours, edges};
 
-use super::source::{Source, colours};
+use super::camera::camera;
+use super::fitted::colours;
+use super::source::Source;
 use crate::experiment::{FieldColours, Panel, Show};
+use crate::run::CHECKERS;
 
 /// Names of the attributes that are colours.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
@@ -82,7 +85,12 @@ impl<'a> Subject<'a> {
                     Measure::Error
                 },
             }),
-            Show::Knots | Show::Target => Ok(Values::Bare),
+            Show::Knots
+            | Show::Target
+            | Show::ControlTriangles
+            | Show::Refinement
+            | Show::Charts => Ok(Values::Bare),
+            Show::Isophotes => isophotes(panel, source),
             Show::Field => field(panel, source),
             Show::Checkers => Ok(Values::Checkers(source.texture()?.to_vec())),
         };
@@ -91,6 +99,24 @@ impl<'a> Subject<'a> {
             values: values?,
         })
     }
+}
+
+/// Stripes of equal slope from the lowest to the highest.
+const ISOPHOTES: f64 = 96.0;
+
+/// Returns the texture of stripes across the angle between the normals and what is up in the picture.
+fn isophotes(panel: &Panel, source: &Source) -> Result<Values, String> {
+    let missing = "only Powell-Sabin splines have exact normals; show the spline instead";
+    let normals = source.normals().ok_or_else(|| missing.to_owned())?;
+    let up = camera(panel, source)?.up();
+    let angle = |v: u32| normals[v as usize].dot(&up).clamp(-1.0, 1.0).acos();
+    let unit = ISOPHOTES / CHECKERS / std::f64::consts::PI;
+    // Half a square along the other coordinate is one stripe.
+    let corner = |v: u32| [unit * angle(v), 0.5 / CHECKERS];
+    let faces = source.spline.faces().iter();
+    Ok(Values::Checkers(
+        faces.map(|face| face.map(corner)).collect(),
+    ))
 }
 
 fn field(panel: &Panel, source: &Source) -> Result<Values, String> {

@@ -2,13 +2,14 @@
 
 use msplines_common::progress::Observer;
 
+use super::edits;
 use super::write::{Written, check, vertex_positions, write};
-use super::{MOST_SEGMENTS, SHOWN_SEGMENTS, output, record_of, tessellation};
+use super::{MOST_SEGMENTS, SHOWN_SEGMENTS, output, record_of};
 use crate::clock::PhaseClock;
 use crate::error::{PowellSabinError, RunError};
 use crate::input::load_domain;
 use crate::run::{Evaluation, RunOutput, enter};
-use crate::spline_file::SplineFile;
+use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
 
 /// Evaluates a stored surface and writes it.
 pub(in crate::run) fn evaluate(
@@ -34,9 +35,17 @@ pub(in crate::run) fn evaluate(
     check(&evaluation.outputs)?;
     let input = load_domain(&file, evaluation.mesh.as_deref(), &evaluation.spline, clock)?;
     enter("evaluate", clock, observer);
-    let spline = file.spline.powell_sabin(&input.mesh)?;
-    let at_vertices = input.mesh.with_positions(vertex_positions(&spline));
-    let shown = tessellation(&spline, segments.unwrap_or(SHOWN_SEGMENTS));
+    let mut spline = file.spline.powell_sabin(&input.mesh)?;
+    let (mut file, mut checks) = (file, Vec::new());
+    if !evaluation.changes.is_empty() {
+        let edited = edits::edited(&spline, &evaluation.changes)?;
+        (spline, checks) = (edited.surface, edited.checks);
+        let mesh = StoredMesh::of(spline.mesh());
+        let stored = StoredSpline::PowellSabin(Box::new(spline.parts()));
+        file = SplineFile::new(StoredDomain::Embedded { mesh }, file.options, stored);
+    }
+    let at_vertices = spline.mesh().with_positions(vertex_positions(&spline));
+    let shown = spline.tessellate(segments.unwrap_or(SHOWN_SEGMENTS));
     enter("write", clock, observer);
     let written = Written {
         file: &file,
@@ -45,6 +54,7 @@ pub(in crate::run) fn evaluate(
         at_vertices: &at_vertices,
     };
     write(&evaluation.outputs, &written)?;
-    let record = record_of(&input, &file, &spline, evaluation.seed);
-    Ok(output(record, file, shown, &at_vertices, &spline, clock))
+    let mut record = record_of(&input, &file, &spline, evaluation.seed);
+    record.checks.extend(checks);
+    Ok(output(record, file, &shown, &at_vertices, &spline, clock))
 }

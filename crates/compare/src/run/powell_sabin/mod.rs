@@ -1,40 +1,46 @@
 //! Runs of Powell-Sabin splines: from a surface with normals to one spline through all its vertices.
 
+mod atlas;
+mod charts;
+mod edits;
 mod evaluate;
 mod measure;
 mod pictures;
+mod plane;
+mod reach;
 mod write;
 
 use std::collections::BTreeMap;
 
+use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::metrics::{unit_cube_error, vertex_error};
 use msplines_common::progress::{Observer, Outcome};
-use msplines_common::{Point3, Vector3};
-use msplines_conformal::{AtlasReport, SurfaceAtlas};
-use msplines_powell_sabin::surface::{Filled, SurfaceReport};
-use msplines_powell_sabin::{PowellSabinSurface, SurfaceFit, VertexCondition, fit_surface};
+use msplines_powell_sabin::{PowellSabinSurface, Tessellation, VertexCondition};
 use serde_json::{Value, json};
 
-use super::{RunOutput, conformal, enter, prepared};
-use crate::case::{Case, Data, Input, Method, PowellSabinMethod, Task};
+use super::{RunOutput, enter, prepared};
+use crate::case::{Case, Data, Input, Layout, Method, PowellSabinMethod, Task};
 use crate::clock::{PhaseClock, process_usage};
 use crate::error::{PowellSabinError, RunError};
-use crate::fit::following;
-use crate::input::{LoadedInput, load, vertex_normals};
+use crate::input::{LoadedInput, load};
 use crate::measure::to_reference;
 use crate::record::Record;
 use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
 use write::Written;
 
+pub use edits::{Change, ChangeKind};
 pub(super) use evaluate::evaluate;
 
 /// Random points at which jumps and folds are looked for.
 const SAMPLES: usize = 20_000;
 /// Most segments along a side of a face.
 const MOST_SEGMENTS: u32 = 64;
-/// Segments along a side of a face in pictures.
+/// Fewest and most segments along a side of a face in pictures.
 const SHOWN_SEGMENTS: u32 = 4;
+const MOST_SHOWN_SEGMENTS: u32 = 24;
+/// Triangles in pictures, about, between those bounds.
+const SHOWN_TRIANGLES: f64 = 400_000.0;
 
 /// Runs a case whose method is a Powell-Sabin spline; nothing for another one.
 pub(super) fn asked(
@@ -48,6 +54,22 @@ pub(super) fn asked(
     }
 }
 
+/// A surface, and what is known of it before it is measured.
+struct Produced {
+    surface: PowellSabinSurface,
+    /// What it does at every vertex of its mesh.
+    conditions: Vec<VertexCondition>,
+    /// The vertex of the input that every vertex of its mesh is; none of those that were added.
+    origins: Vec<Option<u32>>,
+    /// Places of zeros, or of edits.
+    marks: Vec<Point3<f64>>,
+    /// Outline of the faces that a basis function lives on.
+    molecule: Vec<[u32; 2]>,
+    outcome: Outcome,
+    checks: BTreeMap<String, Value>,
+    warnings: Vec<String>,
+}
+
 fn run(
     case: &Case,
     method: &PowellSabinMethod,
@@ -56,37 +78,35 @@ fn run(
 ) -> Result<RunOutput, RunError> {
     check(case, method)?;
     let input = prepared(load(&case.input, clock)?, case)?;
-    let normals = vertex_normals(&input)?;
     enter("domain", clock, observer);
-    let choice = (method.form.as_ref(), &method.puncture[..]);
-    let found = conformal::atlas(&input, choice, case.seed, observer)?;
-    let conditions = conditions(&input, &found, &normals.normals);
-    enter("fit", clock, observer);
-    let fit = {
-        let mut timed = following(&["fit"], clock, observer);
-        fit_surface(&found.atlas, &conditions, &method.surface, &mut timed)
-            .map_err(PowellSabinError::from)?
+    let mut produced = match (method.layout, &method.basis) {
+        (Layout::Atlas, _) => atlas::fitted(&input, case, method, clock, observer)?,
+        (Layout::Plane, Some(function)) => plane::basis_function(&input, function)?,
+        (Layout::Plane, None) => plane::fitted(&input, method, clock, observer)?,
     };
+    if !method.edits.is_empty() {
+        edits::apply(&mut produced, &method.edits)?;
+    }
+    let surface = &produced.surface;
     let spline = SplineFile::new(
         StoredDomain::Embedded {
-            mesh: StoredMesh::of(fit.spline.mesh()),
+            mesh: StoredMesh::of(surface.mesh()),
         },
         options(case, method),
-        StoredSpline::PowellSabin(Box::new(fit.spline.parts())),
+        StoredSpline::PowellSabin(Box::new(surface.parts())),
     );
     enter("evaluate", clock, observer);
     // What is measured and written is what is stored.
-    let stored = spline.spline.powell_sabin(fit.spline.mesh())?;
-    let shown = tessellation(&stored, method.tessellate.unwrap_or(SHOWN_SEGMENTS));
+    let stored = spline.spline.powell_sabin(surface.mesh())?;
+    let shown = stored.tessellate(method.tessellate.unwrap_or(segments(&stored)));
     enter("measure", clock, observer);
     let mut record = record_of(&input, &spline, &stored, case.seed);
-    fill_in(&mut record, &input, &found, &fit, &normals.warnings);
-    let seed = case.seed;
-    let checks = stored.measure(&conditions, seed, SAMPLES);
-    record.checks.extend(measure::surface(&checks));
-    let at_vertices = write::at_input_vertices(&stored, &found, &input.mesh);
-    errors(&mut record, &input, &at_vertices, &found);
-    distances(&mut record, case, &input, (&stored, &shown))?;
+    fill_in(&mut record, &input, &stored, &mut produced);
+    let at_vertices = write::at_input_vertices(&stored, &produced.origins, &input.mesh);
+    if method.basis.is_none() {
+        errors(&mut record, &input, &at_vertices, &produced.origins);
+    }
+    distances(&mut record, case, &input, (&stored, &triangles(&shown)))?;
     enter("write", clock, observer);
     let written = Written {
         file: &spline,
@@ -95,16 +115,47 @@ fn run(
         at_vertices: &at_vertices,
     };
     write::write(&case.outputs, &written)?;
-    let mut output = output(record, spline, shown, &at_vertices, &stored, clock);
-    output.knots = conformal::zeros(&found.atlas);
+    let charts = method
+        .charts
+        .map(|at| charts::Charts::around(&stored, &shown, at));
+    if let Some(charts) = &charts {
+        record.checks.extend(charts.checks());
+    }
+    let mut output = output(record, spline, &shown, &at_vertices, &stored, clock);
+    output.knots = produced.marks;
+    pictures::add_molecule(&mut output.companions, produced.molecule);
+    if method.layout == Layout::Plane {
+        output.companions.push(pictures::refinement(&stored));
+    }
+    if let Some(charts) = charts {
+        charts.show(&mut output);
+    }
     Ok(output)
+}
+
+/// Fills in what is known of a surface before and after it is measured.
+fn fill_in(
+    record: &mut Record,
+    input: &LoadedInput,
+    stored: &PowellSabinSurface,
+    produced: &mut Produced,
+) {
+    record.outcome = produced.outcome;
+    record.checks.append(&mut produced.checks);
+    record.warnings.clone_from(&input.warnings);
+    record.warnings.append(&mut produced.warnings);
+    let checks = stored.measure(&produced.conditions, record.seed, SAMPLES);
+    record.checks.extend(measure::surface(&checks));
+    if let Some(angle) = measure::rim_angle(stored) {
+        record.checks.insert("rim_angle".to_owned(), json!(angle));
+    }
 }
 
 /// Fills in what is known at the end.
 fn output(
     mut record: Record,
     file: SplineFile,
-    shown: TriangleMesh,
+    shown: &Tessellation,
     at_vertices: &TriangleMesh,
     spline: &PowellSabinSurface,
     clock: &mut PhaseClock,
@@ -114,16 +165,19 @@ fn output(
     record.checks.insert("evaluated_points".to_owned(), points);
     record.seconds = clock.read();
     record.peak_rss_bytes = process_usage().peak_rss_bytes;
+    let fields = pictures::normals(&shown.normals);
+    let companions = pictures::companions(spline, shown);
+    let mesh = triangles(shown);
     RunOutput {
         record,
         spline: Some(file),
-        values: coordinates(&shown),
-        mesh: shown,
+        values: coordinates(&mesh),
+        mesh,
         names: ["x", "y", "z"].map(str::to_owned).to_vec(),
-        fields: Vec::new(),
+        fields,
         knots: Vec::new(),
         frames: Vec::new(),
-        companions: pictures::companions(spline),
+        companions,
         texture: None,
     }
 }
@@ -146,25 +200,6 @@ fn distances(
     Ok(())
 }
 
-/// What the surface does at each vertex of the atlas: it interpolates those of the input.
-fn conditions(
-    input: &LoadedInput,
-    found: &SurfaceAtlas,
-    normals: &[Vector3<f64>],
-) -> Vec<VertexCondition> {
-    let origins = found.origins.iter().copied();
-    let added = found.atlas.mesh().positions().iter().copied();
-    let condition = |place: (Option<u32>, Point3<f64>)| match place {
-        (Some(vertex), _) => VertexCondition::Interpolate {
-            position: input.mesh.positions()[vertex as usize],
-            normal: normals[vertex as usize],
-        },
-        // Added vertices lie on the facets; what is free at them is the normal.
-        (None, position) => VertexCondition::Position { position },
-    };
-    origins.zip(added).map(condition).collect()
-}
-
 /// Tasks, data and options that mean nothing here are refused, and outputs before any work.
 fn check(case: &Case, method: &PowellSabinMethod) -> Result<(), RunError> {
     let refused = |what, remedy| Err(PowellSabinError::FitOnly { what, remedy }.into());
@@ -176,6 +211,12 @@ fn check(case: &Case, method: &PowellSabinMethod) -> Result<(), RunError> {
     }
     if case.double_cover || case.subdivide > 0 {
         return refused("cover or subdivision of its input", "leave them out");
+    }
+    if method.basis.is_some() && method.layout != Layout::Plane {
+        return refused(
+            "single basis function over an atlas",
+            "give `layout = \"plane\"` with it",
+        );
     }
     if let Some(segments) = method
         .tessellate
@@ -191,6 +232,10 @@ fn options(case: &Case, method: &PowellSabinMethod) -> Value {
     options["form"] = json!(method.form.clone().unwrap_or_default());
     options["puncture"] = json!(method.puncture);
     options["tessellate"] = json!(method.tessellate);
+    options["layout"] = json!(method.layout);
+    options["basis"] = json!(method.basis);
+    options["charts"] = json!(method.charts);
+    options["edits"] = json!(method.edits);
     options["data"] = json!(case.data);
     options["seed"] = json!(case.seed);
     options["refine"] = json!(case.refine);
@@ -215,87 +260,14 @@ fn record_of(
     }
 }
 
-/// Fills in what the atlas and the fit say.
-fn fill_in(
-    record: &mut Record,
-    input: &LoadedInput,
-    found: &SurfaceAtlas,
-    fit: &SurfaceFit,
-    about_normals: &[String],
-) {
-    let report = &fit.report;
-    record.outcome = report.regular.outcome;
-    record.checks = checks(&found.report, report);
-    let added = found.report.added_vertices;
-    record.warnings = input
-        .warnings
-        .iter()
-        .chain(about_normals)
-        .cloned()
-        .collect();
-    if added > 0 {
-        record.warnings.push(format!(
-            "the mesh was too coarse for its atlas: {added} vertices were added on its faces, whose normals are free"
-        ));
-    }
-    record
-        .warnings
-        .extend(report.warnings.iter().map(ToString::to_string));
-    if record.outcome != Outcome::Converged {
-        let left = report.regular.violations_after;
-        record.warnings.push(format!(
-            "the repair of orientations ended with {left} vertices inside out"
-        ));
-    }
-}
-
-fn checks(atlas: &AtlasReport, report: &SurfaceReport) -> BTreeMap<String, Value> {
-    let filled = |which: fn(&Filled) -> bool| {
-        json!(
-            report
-                .holes
-                .iter()
-                .filter(|hole| which(&hole.filled))
-                .count()
-        )
-    };
-    let named = [
-        ("genus", json!(atlas.genus)),
-        ("zeros", json!(atlas.zeros)),
-        ("flips", json!(atlas.flips)),
-        ("conformal_k_mean", json!(atlas.distortion.angle_mean)),
-        ("conformal_k_p50", json!(atlas.distortion.angle_p50)),
-        ("added_vertices", json!(atlas.added_vertices)),
-        ("violations_before", json!(report.regular.violations_before)),
-        ("repair_rounds", json!(report.regular.repair_rounds)),
-        ("residual", json!(report.regular.residual)),
-        ("unknowns", json!(report.regular.unknowns)),
-        ("holes", json!(report.holes.len())),
-        (
-            "smooth_caps",
-            filled(|f| matches!(f, Filled::Smooth { .. })),
-        ),
-        (
-            "minimal_caps",
-            filled(|f| matches!(f, Filled::Minimal { .. })),
-        ),
-    ];
-    named.map(|(name, value)| (name.to_owned(), value)).into()
-}
-
 /// Fills in the errors at those vertices of the input that the surface has.
 fn errors(
     record: &mut Record,
     input: &LoadedInput,
     at_vertices: &TriangleMesh,
-    found: &SurfaceAtlas,
+    origins: &[Option<u32>],
 ) {
-    let known: Vec<usize> = found
-        .origins
-        .iter()
-        .flatten()
-        .map(|&v| v as usize)
-        .collect();
+    let known: Vec<usize> = origins.iter().flatten().map(|&v| v as usize).collect();
     let pick = |mesh: &TriangleMesh, at: &dyn Fn(usize) -> usize| -> Vec<f64> {
         let points = (0..known.len()).map(|i| mesh.positions()[at(i)]);
         points.flat_map(|p| [p.x, p.y, p.z]).collect()
@@ -310,9 +282,18 @@ fn errors(
 
 /// The surface as triangles.
 fn tessellation(spline: &PowellSabinSurface, segments: u32) -> TriangleMesh {
-    let tessellation = spline.tessellate(segments);
-    let mesh = TriangleMesh::build(tessellation.positions, tessellation.faces);
+    triangles(&spline.tessellate(segments))
+}
+
+fn triangles(tessellation: &Tessellation) -> TriangleMesh {
+    let mesh = TriangleMesh::build(tessellation.positions.clone(), tessellation.faces.clone());
     mesh.expect("faces of a manifold split alike are one")
+}
+
+/// Segments along a side of a face in pictures: more where faces are few and large.
+fn segments(spline: &PowellSabinSurface) -> u32 {
+    let even = (SHOWN_TRIANGLES / spline.mesh().face_count() as f64).sqrt();
+    (even as u32).clamp(SHOWN_SEGMENTS, MOST_SHOWN_SEGMENTS)
 }
 
 fn coordinates(mesh: &TriangleMesh) -> Vec<f64> {

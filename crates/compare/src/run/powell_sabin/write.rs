@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use msplines_common::Point3;
 use msplines_common::evaluate::{Order, Samples, SurfaceSpline};
 use msplines_common::mesh::{SurfacePoint, TriangleMesh};
-use msplines_conformal::SurfaceAtlas;
 use msplines_io::{Surface, write_atomically, write_cells, write_surface};
 use msplines_powell_sabin::PowellSabinSurface;
 
@@ -34,10 +33,10 @@ pub(super) fn check(outputs: &[PathBuf]) -> Result<(), RunError> {
 /// those of the atlas that are left, joined by the faces of the atlas.
 pub(super) fn at_input_vertices(
     spline: &PowellSabinSurface,
-    found: &SurfaceAtlas,
+    origins: &[Option<u32>],
     input: &TriangleMesh,
 ) -> TriangleMesh {
-    let known = found.origins.iter().flatten().count();
+    let known = origins.iter().flatten().count();
     let positions = vertex_positions(spline);
     if known == input.vertex_count() {
         return input.with_positions(positions[..known].to_vec());
