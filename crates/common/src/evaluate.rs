@@ -183,10 +183,7 @@ pub fn flat_by_frame(mesh: &TriangleMesh, face: u32, edges: [[f64; 2]; 3]) -> [[
 ///
 /// # Errors
 /// The first point on a face that is not there, or outside of its own.
-pub fn check_points(
-    mesh: &TriangleMesh,
-    points: &[SurfacePoint],
-) -> Result<(), EvaluateError> {
+pub fn check_points(mesh: &TriangleMesh, points: &[SurfacePoint]) -> Result<(), EvaluateError> {
     let faces = mesh.face_count();
     for (point, &SurfacePoint { face, at }) in points.iter().enumerate() {
         if face as usize >= faces {
@@ -206,10 +203,7 @@ pub fn check_points(
 ///
 /// # Errors
 /// The first point on a face without area.
-pub fn check_frames(
-    mesh: &TriangleMesh,
-    points: &[SurfacePoint],
-) -> Result<(), EvaluateError> {
+pub fn check_frames(mesh: &TriangleMesh, points: &[SurfacePoint]) -> Result<(), EvaluateError> {
     let flat = |p: &&SurfacePoint| {
         let [a, b, c] = mesh.triangle(p.face);
         let longest = (b - a).norm_squared().max((c - a).norm_squared());

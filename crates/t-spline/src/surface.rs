@@ -21,6 +21,10 @@ use crate::fit::Sample;
 use crate::space::Rows;
 use crate::spline::{SurfaceSamples, TSpline};
 
+/// Weight of a vertex at a zero, which cannot move to where the surface would be nearer: the others
+/// around it can, and follow.
+const AT_ZERO: f64 = 20.0;
+
 /// A T-spline, the mesh that it approximates, and how the one lies over the other.
 #[derive(Clone, Debug)]
 pub struct TSplineSurface {
@@ -38,11 +42,15 @@ impl TSplineSurface {
     pub fn new(domain: Domain, shifts: Vec<[f64; 2]>, spline: TSpline) -> Self {
         let vertices = domain.mesh().vertex_count();
         assert_eq!(shifts.len(), vertices, "one shift per vertex");
-        Self { domain, shifts, spline }
+        Self {
+            domain,
+            shifts,
+            spline,
+        }
     }
 
     /// Returns the vertices of a domain as samples of a fit, by vertex: added ones count as points on faces,
-    /// and those at zeros stay where they are.
+    /// and those at zeros stay where they are and weigh more.
     #[must_use]
     pub fn samples(domain: &Domain) -> Vec<Sample> {
         let positions = domain.mesh().positions().iter().enumerate();
@@ -52,12 +60,10 @@ impl TSplineSurface {
                 ..Sample::vertex(domain.vertex(v as u32), position)
             })
             .collect();
-        let topology = domain.mesh().topology();
         for zero in domain.zeros() {
-            samples[zero.vertex as usize].movable = false;
-            for h in topology.outgoing(zero.vertex) {
-                samples[topology.target(h) as usize].movable = false;
-            }
+            let sample = &mut samples[zero.vertex as usize];
+            sample.movable = false;
+            sample.weight = AT_ZERO;
         }
         samples
     }
@@ -92,7 +98,10 @@ impl TSplineSurface {
             let [x, y] = self.shifts[corner as usize];
             shift = [shift[0] + weight * x, shift[1] + weight * y];
         }
-        self.domain.complex().walk(self.domain.place(point), shift).0
+        self.domain
+            .complex()
+            .walk(self.domain.place(point), shift)
+            .0
     }
 
     /// Returns the derivatives of `x` and `y`, in units of the form's 1, by the coordinates of the frame of
@@ -145,7 +154,9 @@ struct Prepared<'a> {
 impl Evaluator for Prepared<'_> {
     fn evaluate(&self, out: &mut Samples) {
         let mut found = SurfaceSamples::default();
-        self.surface.spline.apply(&self.rows, self.order, &mut found);
+        self.surface
+            .spline
+            .apply(&self.rows, self.order, &mut found);
         out.dimension = 3;
         out.values.clear();
         out.first.clear();
@@ -154,7 +165,8 @@ impl Evaluator for Prepared<'_> {
         out.values.extend(positions.flat_map(|p| [p.x, p.y, p.z]));
         for ([x, y], change) in found.first.iter().zip(&self.changes) {
             let by_frame = change.map(|[a, b]| a * x + b * y);
-            out.first.extend(by_frame.iter().flat_map(|v| [v.x, v.y, v.z]));
+            out.first
+                .extend(by_frame.iter().flat_map(|v| [v.x, v.y, v.z]));
         }
         for ([xx, xy, yy], [a, b]) in found.second.iter().zip(&self.changes) {
             // The map is linear on a face, so that its own second derivatives vanish.
@@ -162,7 +174,8 @@ impl Evaluator for Prepared<'_> {
                 p[0] * q[0] * xx + (p[0] * q[1] + p[1] * q[0]) * xy + p[1] * q[1] * yy
             };
             let entries = [product(a, a), product(a, b), product(b, b)];
-            out.second.extend(entries.iter().flat_map(|v| [v.x, v.y, v.z]));
+            out.second
+                .extend(entries.iter().flat_map(|v| [v.x, v.y, v.z]));
         }
     }
 }

@@ -43,7 +43,11 @@ pub(super) fn correct(spline: &TSpline, sorted: &mut Sorted, rows: &Rows) -> f64
             );
             let longest = leaf.size().map(|s| 0.5 * s as f64 / UNITS);
             let excess = (step.x.abs() / longest[0]).max(step.y.abs() / longest[1]);
-            walked(complex, sample.at, [step.x, step.y].map(|d| d / excess.max(1.0) * UNITS))
+            walked(
+                complex,
+                sample.at,
+                [step.x, step.y].map(|d| d / excess.max(1.0) * UNITS),
+            )
         })
         .collect();
     let points: Vec<Point> = tried.iter().map(|t| t.0).collect();
@@ -79,5 +83,7 @@ fn walked(complex: &CylinderComplex, from: Point, way: [f64; 2]) -> (Point, [f64
 fn step([xx, xy, yy]: [f64; 3], [x, y]: [f64; 2]) -> Vector2<f64> {
     let damping = DAMPING * (xx + yy);
     let matrix = Matrix2::new(xx + damping, xy, xy, yy + damping);
-    matrix.cholesky().map_or(Vector2::zeros(), |c| c.solve(&Vector2::new(x, y)))
+    matrix
+        .cholesky()
+        .map_or(Vector2::zeros(), |c| c.solve(&Vector2::new(x, y)))
 }

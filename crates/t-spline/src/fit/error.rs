@@ -17,7 +17,9 @@ pub enum FitError {
         sample: usize,
     },
     /// Fewer control points than the coarsest T-mesh has.
-    #[error("{given} control points are fewer than the coarsest T-mesh of this surface has; allow at least {least}")]
+    #[error(
+        "{given} control points are fewer than the coarsest T-mesh of this surface has; allow at least {least}"
+    )]
     Budget {
         /// Those allowed.
         given: usize,

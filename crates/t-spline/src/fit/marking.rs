@@ -25,8 +25,14 @@ pub(super) fn ranked(spline: &TSpline, sorted: &Sorted, errors: &[f64], exponent
             terms.sum()
         })
         .collect();
-    let mut order: Vec<u32> = (0..leaves as u32).filter(|&l| scores[l as usize] > 0.0).collect();
-    order.sort_by(|&a, &b| scores[b as usize].total_cmp(&scores[a as usize]).then(a.cmp(&b)));
+    let mut order: Vec<u32> = (0..leaves as u32)
+        .filter(|&l| scores[l as usize] > 0.0)
+        .collect();
+    order.sort_by(|&a, &b| {
+        scores[b as usize]
+            .total_cmp(&scores[a as usize])
+            .then(a.cmp(&b))
+    });
     order
 }
 

@@ -192,7 +192,11 @@ impl<'a> State<'a> {
         }
         let Some(space) = self.next(most) else {
             let full = matches!(self.options.stop, Stop::ControlPoints(_));
-            return Ok(Some(if full { Outcome::Converged } else { Outcome::Stalled }));
+            return Ok(Some(if full {
+                Outcome::Converged
+            } else {
+                Outcome::Stalled
+            }));
         };
         self.sorted.sort(space.mesh());
         let control = vec![Vector3::zeros(); space.unknowns()];
@@ -223,10 +227,12 @@ impl<'a> State<'a> {
         let mut system = kept.unwrap_or_else(|| {
             System::build(&space, &self.sorted, &self.rows, self.options.fairness)
         });
-        let control = system.solve(&self.sorted, &self.rows).map_err(|reason| FitError::Solve {
-            unknowns: space.unknowns(),
-            reason: reason.to_string(),
-        })?;
+        let control = system
+            .solve(&self.sorted, &self.rows)
+            .map_err(|reason| FitError::Solve {
+                unknowns: space.unknowns(),
+                reason: reason.to_string(),
+            })?;
         self.spline = TSpline::new(space, control);
         Ok(system)
     }
@@ -241,7 +247,12 @@ impl<'a> State<'a> {
     fn errors(&self) -> Errors {
         let (mut sum, mut count, mut max) = (0.0, 0_usize, 0.0_f64);
         let distances = self.distances();
-        let measured = self.sorted.samples.iter().zip(&distances).filter(|(s, _)| s.measured);
+        let measured = self
+            .sorted
+            .samples
+            .iter()
+            .zip(&distances)
+            .filter(|(s, _)| s.measured);
         for (_, distance) in measured {
             sum += distance * distance;
             count += 1;
@@ -260,7 +271,11 @@ impl<'a> State<'a> {
         let distances = self.distances();
         let ranked = marking::ranked(&self.spline, &self.sorted, &distances, refinement.exponent);
         let wanted = (refinement.share * own.mesh().leaves().len() as f64).ceil() as usize;
-        let marked = marking::directed(&self.spline, &ranked[..wanted.min(ranked.len())], refinement);
+        let marked = marking::directed(
+            &self.spline,
+            &ranked[..wanted.min(ranked.len())],
+            refinement,
+        );
         let refined = |count: usize| {
             let mut mesh = own.mesh().clone();
             let more = mesh.refine(&marked[..count], &refinement.grading);
@@ -297,7 +312,14 @@ impl<'a> State<'a> {
                 samples.iter_mut().for_each(|s| s.position += centre);
                 samples
             },
-            levels: self.levels.iter().map(|l| Level { spline: back(&l.spline), errors: l.errors }).collect(),
+            levels: self
+                .levels
+                .iter()
+                .map(|l| Level {
+                    spline: back(&l.spline),
+                    errors: l.errors,
+                })
+                .collect(),
             spline: back(&self.spline),
         }
     }
@@ -318,7 +340,9 @@ fn translated(spline: &TSpline, by: Vector3<f64>) -> TSpline {
 /// Returns a base grid for every cylinder, with as many faces as its share of the samples asks for.
 fn grids(complex: &CylinderComplex, samples: &[Sample], cells: usize) -> Vec<Grid> {
     let mut shares = vec![0.0; complex.cylinders().len()];
-    samples.iter().for_each(|s| shares[s.at.cylinder as usize] += s.weight);
+    samples
+        .iter()
+        .for_each(|s| shares[s.at.cylinder as usize] += s.weight);
     let total: f64 = shares.iter().sum();
     let cylinders = complex.cylinders().iter().zip(&shares);
     cylinders
@@ -343,7 +367,14 @@ fn check(samples: &[Sample], options: &FitOptions) -> Result<(), FitError> {
         return Err(FitError::NoSamples);
     }
     let bad = |s: &Sample| {
-        let numbers = [s.at.x, s.at.y, s.position.x, s.position.y, s.position.z, s.weight];
+        let numbers = [
+            s.at.x,
+            s.at.y,
+            s.position.x,
+            s.position.y,
+            s.position.z,
+            s.weight,
+        ];
         numbers.iter().any(|n| !n.is_finite()) || s.weight < 0.0
     };
     if let Some(sample) = samples.iter().position(bad) {
@@ -354,13 +385,34 @@ fn check(samples: &[Sample], options: &FitOptions) -> Result<(), FitError> {
     {
         return Err(FitError::Tolerance { given });
     }
-    let Refinement { share, exponent, ratio, .. } = options.refinement;
+    let Refinement {
+        share,
+        exponent,
+        ratio,
+        ..
+    } = options.refinement;
     let ranges = [
         ("share", share, "in (0, 1]", share > 0.0 && share <= 1.0),
-        ("exponent", exponent, "positive", exponent > 0.0 && exponent.is_finite()),
+        (
+            "exponent",
+            exponent,
+            "positive",
+            exponent > 0.0 && exponent.is_finite(),
+        ),
         ("ratio", ratio, "1 or more", ratio >= 1.0),
-        ("fairness", options.fairness, "0 or more", options.fairness >= 0.0 && options.fairness.is_finite()),
+        (
+            "fairness",
+            options.fairness,
+            "0 or more",
+            options.fairness >= 0.0 && options.fairness.is_finite(),
+        ),
     ];
     let wrong = ranges.into_iter().find(|(.., good)| !good);
-    wrong.map_or(Ok(()), |(option, given, range, _)| Err(FitError::Option { option, range, given }))
+    wrong.map_or(Ok(()), |(option, given, range, _)| {
+        Err(FitError::Option {
+            option,
+            range,
+            given,
+        })
+    })
 }

@@ -70,7 +70,7 @@ impl Default for Correction {
         Self::On {
             steps: 2,
             from: 0.5,
-            last: 6,
+            last: 20,
         }
     }
 }
@@ -79,7 +79,7 @@ impl Default for Refinement {
     fn default() -> Self {
         Self {
             start: 60,
-            share: 0.06,
+            share: 0.03,
             exponent: 2.0,
             ratio: 2.5,
             grading: Grading::default(),

@@ -62,7 +62,11 @@ impl Sorted {
 
     /// Sorts samples that have moved, or whose leaves were split. O(n).
     pub(super) fn sort(&mut self, mesh: &TMesh) {
-        let leaves: Vec<u32> = self.samples.par_iter().map(|s| mesh.leaf_of(s.at)).collect();
+        let leaves: Vec<u32> = self
+            .samples
+            .par_iter()
+            .map(|s| mesh.leaf_of(s.at))
+            .collect();
         let mut starts = vec![0_u32; mesh.leaves().len() + 1];
         for &leaf in &leaves {
             starts[leaf as usize + 1] += 1;

@@ -51,15 +51,13 @@ struct Local {
 
 impl System {
     /// Lays out the equations of a space, with the fairness in it.
-    pub(super) fn build(
-        space: &TSplineSpace,
-        sorted: &Sorted,
-        rows: &Rows,
-        fairness: f64,
-    ) -> Self {
+    pub(super) fn build(space: &TSplineSpace, sorted: &Sorted, rows: &Rows, fairness: f64) -> Self {
         let leaves = space.mesh().leaves().len();
         let gauss = gauss_points(space);
-        let plates = space.rows(&gauss.iter().map(|g| g.0).collect::<Vec<_>>(), Order::Second);
+        let plates = space.rows(
+            &gauss.iter().map(|g| g.0).collect::<Vec<_>>(),
+            Order::Second,
+        );
         let unknowns: Vec<Vec<u32>> = (0..leaves)
             .into_par_iter()
             .map(|leaf| {
@@ -75,7 +73,8 @@ impl System {
             .iter()
             .flat_map(|list| pairs(list).map(|[row, column]| (row, column, 0.0)))
             .collect();
-        let empty = SymmetricMatrix::from_lower_triplets(space.unknowns(), &with_diagonal(entries, space));
+        let empty =
+            SymmetricMatrix::from_lower_triplets(space.unknowns(), &with_diagonal(entries, space));
         let places = unknowns
             .par_iter()
             .map(|list| {
@@ -91,7 +90,11 @@ impl System {
             fair: empty,
             factor: None,
         };
-        system.add_plates(&gauss, &plates, fairness * sorted.samples.len() as f64 / leaves as f64);
+        system.add_plates(
+            &gauss,
+            &plates,
+            fairness * sorted.samples.len() as f64 / leaves as f64,
+        );
         system
     }
 
@@ -121,7 +124,11 @@ impl System {
     ///
     /// # Errors
     /// A system that is not definite in spite of the ridge: numbers that are none.
-    pub(super) fn solve(&mut self, sorted: &Sorted, rows: &Rows) -> Result<Vec<Vector3<f64>>, SolveError> {
+    pub(super) fn solve(
+        &mut self,
+        sorted: &Sorted,
+        rows: &Rows,
+    ) -> Result<Vec<Vector3<f64>>, SolveError> {
         let locals: Vec<Local> = (0..self.unknowns.len())
             .into_par_iter()
             .map(|leaf| {
@@ -148,7 +155,12 @@ impl System {
     }
 
     fn solve_scaled(&mut self, right: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, SolveError> {
-        let scales: Vec<f64> = self.matrix.diagonal().iter().map(|d| if *d > 0.0 { 1.0 / d.sqrt() } else { 1.0 }).collect();
+        let scales: Vec<f64> = self
+            .matrix
+            .diagonal()
+            .iter()
+            .map(|d| if *d > 0.0 { 1.0 / d.sqrt() } else { 1.0 })
+            .collect();
         let starts = self.matrix.starts().to_vec();
         let rows = self.matrix.rows().to_vec();
         let values = self.matrix.values_mut();
@@ -173,7 +185,9 @@ impl System {
             factor.solve_in_place(x.as_mut());
         }
         let scaled = scales.iter().enumerate();
-        Ok(scaled.map(|(i, s)| Vector3::from_fn(|c, _| s * x[(i, c)])).collect())
+        Ok(scaled
+            .map(|(i, s)| Vector3::from_fn(|c, _| s * x[(i, c)]))
+            .collect())
     }
 }
 
@@ -257,14 +271,19 @@ fn gauss_points(space: &TSplineSpace) -> Vec<(Point, u32, [f64; 2])> {
     let leaves = space.mesh().leaves().iter().enumerate();
     let points = leaves.flat_map(|(index, leaf)| {
         let [w, h] = leaf.size().map(|s| s as f64);
-        GAUSS.into_iter().flat_map(move |s| GAUSS.map(|t| [s, t])).map(move |[s, t]| {
-            let point = Point {
-                cylinder: leaf.cylinder,
-                x: leaf.x[0] as f64 + s * w,
-                y: leaf.y[0] as f64 + t * h,
-            };
-            (point, index as u32, [w / UNITS, h / UNITS])
-        })
+        GAUSS
+            .into_iter()
+            .flat_map(move |s| GAUSS.map(|t| [s, t]))
+            .map(move |[s, t]| {
+                let point = Point {
+                    cylinder: leaf.cylinder,
+                    x: leaf.x[0] as f64 + s * w,
+                    y: leaf.y[0] as f64 + t * h,
+                };
+                (point, index as u32, [w / UNITS, h / UNITS])
+            })
     });
-    points.filter(|(point, ..)| space.caps().at(*point).is_none()).collect()
+    points
+        .filter(|(point, ..)| space.caps().at(*point).is_none())
+        .collect()
 }
