@@ -128,8 +128,7 @@ impl Cylinders {
                 for (&(index, start), next) in along.iter().zip(starts.chain(around)) {
                     let miss = (start + self.links[index].length - next).abs() / size;
                     self.closure = self.closure.max(miss);
-                    // NaN counts.
-                    if !(miss <= CLOSURE) {
+                    if miss > CLOSURE || miss.is_nan() {
                         return Err(DomainError::Closure { cylinder, miss });
                     }
                 }
@@ -293,8 +292,7 @@ fn borders(
                 let miss = f64::NAN;
                 return Err(DomainError::Closure { cylinder, miss });
             };
-            // NaN counts.
-            if !(miss <= CLOSURE) {
+            if miss > CLOSURE || miss.is_nan() {
                 return Err(DomainError::Closure { cylinder, miss });
             }
             Ok(RealCylinder {

@@ -3,6 +3,8 @@
 use msplines_common::mesh::{SurfacePoint, TriangleMesh, shapes};
 use msplines_common::progress::unobserved;
 
+use msplines_conformal::poles::PoleChoice;
+
 use crate::complex::{Beyond, Border, Point};
 use crate::domain::{Domain, DomainOptions, End, SnapOptions};
 
@@ -181,4 +183,30 @@ fn boundaries_are_borders() {
             "exactly on the border: {y}"
         );
     }
+}
+
+#[test]
+fn handles_and_poles_go_together() {
+    let mesh = shapes::genus(2, 4800);
+    let x = |v: &u32| mesh.positions()[*v as usize].x;
+    let vertices = 0..mesh.vertex_count() as u32;
+    let left = vertices.clone().min_by(|a, b| x(a).total_cmp(&x(b)));
+    let right = vertices.max_by(|a, b| x(a).total_cmp(&x(b)));
+    let poles = [left.unwrap(), right.unwrap()];
+    let options = DomainOptions {
+        poles: poles.to_vec(),
+        pole_form: PoleChoice::Given {
+            class: vec![1, 1, 0, 0],
+            fluxes: vec![0.5, -0.5],
+        },
+        snap: PLAIN,
+        ..DomainOptions::default()
+    };
+    let domain = Domain::of_surface(&mesh, &options, &mut unobserved()).expect("a domain");
+    check(&domain);
+    // 2g - 2 + b and 3g - 3 + 2b.
+    let counts = (domain.zeros().len(), domain.complex().cylinders().len());
+    assert_eq!(counts, (4, 7));
+    assert_eq!(domain.ends().len(), 2);
+    assert!((poles.iter()).all(|&pole| domain.ends().contains(&End::Pole(pole))));
 }
