@@ -14,6 +14,8 @@ mod marking;
 mod options;
 mod samples;
 mod system;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 
@@ -26,6 +28,7 @@ pub use error::FitError;
 pub use options::{Correction, FitOptions, Refinement, Stop};
 pub use samples::Sample;
 
+use crate::caps::{CapKind, Caps};
 use crate::complex::CylinderComplex;
 use crate::space::{Rows, TSplineSpace};
 use crate::spline::{SurfaceSamples, TSpline};
@@ -35,6 +38,12 @@ use system::System;
 
 /// Rounds after which no fit goes on.
 const MOST_ROUNDS: u32 = 200;
+
+/// How many times more than elsewhere errors in a cap may be, as roots of mean squares.
+const WORSE_CAP: f64 = 1.5;
+/// Samples that a cap keeps at least, and the share of its largest radius.
+const FEWEST: usize = 40;
+const NARROWEST: f64 = 0.3;
 
 /// A surface and how it was found.
 #[derive(Clone, Debug)]
@@ -276,10 +285,15 @@ impl<'a> State<'a> {
             &ranked[..wanted.min(ranked.len())],
             refinement,
         );
+        let caps = match self.options.stop {
+            // Of a coarse surface the caps are the worst part.
+            Stop::ControlPoints(most) if 2 * own.unknowns() < most => own.caps().clone(),
+            _ => self.narrowed(&distances),
+        };
         let refined = |count: usize| {
             let mut mesh = own.mesh().clone();
             let more = mesh.refine(&marked[..count], &refinement.grading);
-            (more > 0).then(|| TSplineSpace::with_caps(mesh, own.caps().clone()))
+            (more > 0).then(|| TSplineSpace::with_caps(mesh, caps.clone()))
         };
         let fits = |space: &TSplineSpace| space.unknowns() <= most;
         if let Some(space) = refined(marked.len()).filter(fits) {
@@ -296,6 +310,31 @@ impl<'a> State<'a> {
             }
         }
         best
+    }
+
+    /// Returns the caps, those of zeros narrower where a polynomial is further from the samples than the
+    /// surface elsewhere.
+    fn narrowed(&self, distances: &[f64]) -> Caps {
+        let mut caps = self.spline.space().caps().clone();
+        let (mut sums, mut counts) = (
+            vec![0.0; caps.caps().len() + 1],
+            vec![0_usize; caps.caps().len() + 1],
+        );
+        for (sample, distance) in self.sorted.samples.iter().zip(distances) {
+            let place = caps.at(sample.at).map_or(0, |cap| 1 + cap.cap as usize);
+            sums[place] += distance * distance;
+            counts[place] += 1;
+        }
+        let mean = |place: usize| sums[place] / counts[place].max(1) as f64;
+        let most = (WORSE_CAP * WORSE_CAP) * mean(0);
+        for index in 0..caps.caps().len() {
+            let cap = caps.caps()[index];
+            let narrow = matches!(cap.kind, CapKind::Zero { .. }) && mean(index + 1) > most;
+            if narrow && counts[index + 1] > FEWEST && cap.radius > NARROWEST * cap.limit {
+                caps.set_radius(index as u32, 0.75 * cap.radius);
+            }
+        }
+        caps
     }
 
     fn finish(self, outcome: Outcome, errors: Errors, centre: Vector3<f64>) -> Fit {

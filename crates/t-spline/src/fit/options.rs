@@ -80,7 +80,7 @@ impl Default for Refinement {
         Self {
             start: 60,
             share: 0.03,
-            exponent: 2.0,
+            exponent: 3.0,
             ratio: 2.5,
             grading: Grading::default(),
         }
