@@ -8,7 +8,7 @@
 //! vertices.
 //!
 //! # Reference
-//! [Edelsbrunner1990], simulation of simplicity; [He2006] §3.2, the critical graph.
+//! [He2006] §3.2, the critical graph. Deviation: ties are broken by numbers, so that no level is degenerate.
 
 use std::cmp::Ordering;
 
