@@ -70,7 +70,7 @@ impl Default for Correction {
         Self::On {
             steps: 2,
             from: 0.5,
-            last: 20,
+            last: 40,
         }
     }
 }
