@@ -24,7 +24,7 @@ pub enum CellError {
     Tolerance {
         /// The cylinder.
         cylinder: u32,
-        /// How far it is.
+        /// How far it is, or twice that on its sides.
         deviation: f64,
         /// How far it may be.
         tolerance: f64,

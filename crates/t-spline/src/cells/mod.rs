@@ -33,7 +33,8 @@ const DEGREES: std::ops::RangeInclusive<u8> = 3..=9;
 /// How caps are approximated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellOptions {
-    /// The largest distance of approximate cells from the surface, a length.
+    /// The largest distance of approximate cells from the surface, a length; on their sides it is half of
+    /// that, so that gaps are no larger.
     pub tolerance: f64,
     /// Their degree in both directions, 3 to 9.
     pub degree: u8,

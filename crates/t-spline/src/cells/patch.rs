@@ -24,6 +24,8 @@ pub(super) struct Patch {
     pub(super) weights: Option<Vec<f64>>,
     /// The largest distance from the surface at points between the nodes.
     pub(super) deviation: f64,
+    /// The same on the sides.
+    pub(super) aside: f64,
 }
 
 impl Patch {
@@ -52,6 +54,7 @@ impl Patch {
             points: sums.iter().map(|s| Point3::from(s.xyz() / s.w)).collect(),
             weights: Some(sums.iter().map(|s| s.w).collect()),
             deviation: 0.0,
+            aside: 0.0,
         })
     }
 
@@ -79,6 +82,7 @@ impl Patch {
             points: scheme.coefficients(&values),
             weights: None,
             deviation: 0.0,
+            aside: 0.0,
         };
         let truth = spline
             .evaluate(&over(&scheme.checks), Order::Value)
@@ -87,11 +91,22 @@ impl Patch {
         let at = checks
             .iter()
             .flat_map(|&t| checks.iter().map(move |&s| [s, t]));
-        let distances = at
-            .zip(truth)
-            .map(|(at, point)| (patch.position(at) - point).norm());
-        let deviation = distances.fold(0.0, f64::max);
-        Self { deviation, ..patch }
+        let distances = at.zip(truth).map(|(at, point)| {
+            let is_aside = at.iter().any(|&t| t == 0.0 || t == 1.0);
+            (is_aside, (patch.position(at) - point).norm())
+        });
+        let (mut deviation, mut aside) = (0.0_f64, 0.0_f64);
+        for (is_aside, distance) in distances {
+            deviation = deviation.max(distance);
+            if is_aside {
+                aside = aside.max(distance);
+            }
+        }
+        Self {
+            deviation,
+            aside,
+            ..patch
+        }
     }
 
     pub(super) fn is_exact(&self) -> bool {

@@ -105,8 +105,9 @@ impl Work<'_> {
         let mut deviation = f64::INFINITY;
         if tile.zeros(space.mesh().complex()).len() < 2 {
             let patch = Patch::interpolated(self.spline, tile, &self.scheme);
-            deviation = patch.deviation;
-            if deviation <= self.tolerance {
+            deviation = patch.deviation.max(2.0 * patch.aside);
+            // Two neighbours then are no further apart than one is from the surface.
+            if deviation <= self.tolerance && patch.aside <= 0.5 * self.tolerance {
                 out.push(patch);
                 return Ok(());
             }
