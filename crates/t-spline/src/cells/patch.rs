@@ -113,6 +113,24 @@ impl Patch {
         self.weights.is_some()
     }
 
+    /// Returns the axis along which a polynomial patch has the larger term of highest degree, and so an
+    /// interpolation the larger error.
+    pub(super) fn rough_axis(&self) -> usize {
+        let count = self.degree + 1;
+        let leading = |stride: [usize; 2]| {
+            let lines = (0..count).map(|line| {
+                let term = |k: usize| {
+                    let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+                    let factor = sign * bernstein::binomial(self.degree, k);
+                    self.points[line * stride[1] + k * stride[0]].coords * factor
+                };
+                (0..count).map(term).sum::<Vector3<f64>>().norm()
+            });
+            lines.fold(0.0, f64::max)
+        };
+        usize::from(leading([count, 1]) > leading([1, count]))
+    }
+
     /// Returns the point at parameters.
     pub(super) fn position(&self, at: [f64; 2]) -> Point3<f64> {
         let count = self.degree + 1;

@@ -65,11 +65,10 @@ impl Tile {
         halves
     }
 
-    /// Returns the two halves of a tile across its longer side.
-    pub(super) fn halves(self) -> [Self; 2] {
-        let [w, h] = self.size();
-        let (axis, range) = if w >= h { (0, self.x) } else { (1, self.y) };
-        self.cut(axis, range[0] + (range[1] - range[0]) / 2)
+    /// Returns the two halves of a tile along an axis.
+    pub(super) fn halves(self, axis: usize) -> [Self; 2] {
+        let [low, high] = [self.x, self.y][axis];
+        self.cut(axis, low + (high - low) / 2)
     }
 
     pub(super) fn size(&self) -> [i64; 2] {

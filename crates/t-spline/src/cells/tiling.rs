@@ -103,16 +103,19 @@ impl Work<'_> {
             }
         }
         let mut deviation = f64::INFINITY;
+        let [w, h] = tile.size();
+        let mut axis = usize::from(h > w);
         if tile.zeros(space.mesh().complex()).len() < 2 {
             let patch = Patch::interpolated(self.spline, tile, &self.scheme);
             deviation = patch.deviation.max(2.0 * patch.aside);
+            axis = patch.rough_axis();
             // Two neighbours then are no further apart than one is from the surface.
             if deviation <= self.tolerance && patch.aside <= 0.5 * self.tolerance {
                 out.push(patch);
                 return Ok(());
             }
         }
-        let narrow = tile.size().into_iter().max().is_some_and(|s| s < 2);
+        let narrow = tile.size()[axis] < 2;
         if halvings == 0 || narrow {
             let tolerance = self.tolerance;
             let cylinder = tile.cylinder;
@@ -122,7 +125,7 @@ impl Work<'_> {
                 tolerance,
             });
         }
-        for half in tile.halves() {
+        for half in tile.halves(axis) {
             self.cover(half, halvings - 1, out)?;
         }
         Ok(())
