@@ -22,8 +22,8 @@
 //! use msplines_t_spline::{TSpline, TSplineSpace};
 //!
 //! let one = 1_i64 << 44;
-//! let complex = Arc::new(CylinderComplex::torus(one, one, one / 3)?);
-//! let mut mesh = TMesh::build(&complex, &[Grid { columns: 6, rows: 4 }])?;
+//! let complex = Arc::new(CylinderComplex::torus(one, one, one / 4)?);
+//! let mut mesh = TMesh::build(&complex, &[Grid { columns: 8, rows: 4 }])?;
 //! mesh.split(9, Axis::X);
 //! let space = Arc::new(TSplineSpace::build(mesh, &CapOptions::default())?);
 //! let control = space.functions().iter().map(|f| {
@@ -35,7 +35,7 @@
 //!
 //! // The curves of the T-mesh: the split face is two, and its sides above and below break.
 //! let mesh = spline.quad_mesh();
-//! assert_eq!((mesh.faces().len(), mesh.t_junctions(), mesh.characteristic()), (25, 2, 0));
+//! assert_eq!((mesh.faces().len(), mesh.t_junctions(), mesh.characteristic()), (33, 2, 0));
 //! let curve = spline.evaluate(&mesh.polyline(0, 16), Order::Value).positions;
 //! assert_eq!(curve.len(), 17);
 //!
