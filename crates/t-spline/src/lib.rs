@@ -10,6 +10,7 @@
 
 pub mod blend;
 pub mod caps;
+pub mod cells;
 pub mod complex;
 pub mod domain;
 pub mod fit;

@@ -87,6 +87,23 @@ impl Blend {
         }
         out
     }
+
+    /// Returns the Bernstein coefficients over an interval that no knot divides, by the blossom.
+    #[must_use]
+    pub(crate) fn bernstein(&self, ends: [f64; 2]) -> [f64; 4] {
+        let k = &self.knots;
+        let middle = 0.5 * (ends[0] + ends[1]);
+        if !(k[0] < middle && middle < k[4]) {
+            return [0.0; 4];
+        }
+        let after = |knot: f64| usize::from(middle >= knot);
+        let span = self.spans[after(k[1]) + after(k[2]) + after(k[3])];
+        let [u, v] = ends.map(|t| span.scale * (t - span.origin));
+        let [a, b, c, d] = span.power;
+        [[u, u, u], [u, u, v], [u, v, v], [v, v, v]].map(|[p, q, r]| {
+            a + b * ((p + q + r) / 3.0) + c * ((p * q + q * r + r * p) / 3.0) + d * (p * q * r)
+        })
+    }
 }
 
 /// Returns the cubic on a span by the recursion, in polynomials of `s` with `t = origin + slope s`.

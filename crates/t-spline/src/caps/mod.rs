@@ -269,6 +269,29 @@ impl Caps {
     }
 }
 
+impl Caps {
+    /// Returns whether a box of a cylinder, in units, shares points with a cap.
+    pub(crate) fn meet(&self, cylinder: u32, x: [f64; 2], y: [f64; 2]) -> bool {
+        let ([size, height], patches) = &self.patches[cylinder as usize];
+        let apart = |at: f64, range: [f64; 2]| (range[0] - at).max(at - range[1]).max(0.0);
+        patches.iter().any(|patch| {
+            let cap = &self.caps[patch.cap as usize];
+            let reach = cap.radius * UNITS;
+            let edge = match patch.border {
+                Border::Bottom => 0.0,
+                Border::Top => *height,
+            };
+            let along = apart(edge, y);
+            match cap.kind {
+                CapKind::Pole { .. } => along < reach,
+                CapKind::Zero { .. } => [-1.0, 0.0, 1.0]
+                    .into_iter()
+                    .any(|turn| apart(patch.x + turn * size, x).hypot(along) < reach),
+            }
+        })
+    }
+}
+
 fn at_zero(
     patch: &Patch,
     cap: &Cap,

@@ -160,6 +160,18 @@ impl TSplineSpace {
         self.entries(leaf).iter().map(|entry| entry.function)
     }
 
+    /// Returns the functions that meet a leaf, once for every image, and where their anchors would be in the
+    /// coordinates of its cylinder, in units.
+    pub(crate) fn images_on(&self, leaf: u32) -> impl Iterator<Item = (u32, [f64; 2])> + '_ {
+        let entries = self.entries(leaf).iter();
+        entries.map(|entry| (entry.function, entry.origin))
+    }
+
+    /// Returns the factors of a function along `x` and `y`.
+    pub(crate) fn blends(&self, function: u32) -> &[Blend; 2] {
+        &self.blends[function as usize]
+    }
+
     fn entries(&self, leaf: u32) -> &[Entry] {
         let leaf = leaf as usize;
         &self.entries[self.starts[leaf] as usize..self.starts[leaf + 1] as usize]
