@@ -50,7 +50,8 @@ impl TSplineSurface {
     }
 
     /// Returns the vertices of a domain as samples of a fit, by vertex: added ones count as points on faces,
-    /// and those at zeros stay where they are and weigh more.
+    /// and those at zeros stay where they are and weigh more. The centres of poles may follow, which no
+    /// vertex of the mesh is.
     #[must_use]
     pub fn samples(domain: &Domain) -> Vec<Sample> {
         let positions = domain.mesh().positions().iter().enumerate();
@@ -72,6 +73,17 @@ impl TSplineSurface {
     #[must_use]
     pub fn domain(&self) -> &Domain {
         &self.domain
+    }
+
+    /// Returns where each vertex of the mesh lies on the cylinders. O(n).
+    #[must_use]
+    pub fn vertices(&self) -> Vec<Point> {
+        let complex = self.domain.complex();
+        let place = |v: usize| {
+            let (at, _) = complex.walk(self.domain.vertex(v as u32), self.shifts[v]);
+            at
+        };
+        (0..self.shifts.len()).into_par_iter().map(place).collect()
     }
 
     /// Returns how far each vertex has moved, in units.

@@ -168,7 +168,9 @@ impl Source {
                 Vec::new()
             }
             // A form without zeros leaves no file.
-            MethodName::Conformal | MethodName::PowellSabin => knots.unwrap_or_default(),
+            MethodName::Conformal | MethodName::PowellSabin | MethodName::TSpline => {
+                knots.unwrap_or_default()
+            }
             _ => knots.map_err(|e| e.to_string())?,
         };
         Ok(Self {
