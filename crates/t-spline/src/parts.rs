@@ -184,3 +184,91 @@ fn check_finite(parts: &SurfaceParts) -> Result<(), PartsError> {
         Err(PartsError::Number { what, index })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use msplines_common::evaluate::Order;
+    use msplines_common::mesh::shapes;
+    use msplines_common::progress::unobserved;
+
+    use super::*;
+    use crate::domain::DomainOptions;
+    use crate::fit::{FitOptions, Stop, fit};
+
+    fn surface(mesh: &TriangleMesh, poles: Vec<u32>) -> TSplineSurface {
+        let options = DomainOptions {
+            poles,
+            ..DomainOptions::default()
+        };
+        let domain = Domain::of_surface(mesh, &options, &mut unobserved()).expect("a domain");
+        let options = FitOptions {
+            stop: Stop::ControlPoints(400),
+            ..FitOptions::default()
+        };
+        let samples = TSplineSurface::samples(&domain);
+        let complex = Arc::new(domain.complex().clone());
+        let fit = fit(&complex, &samples, &options, &mut unobserved()).expect("a surface");
+        let shifts = fit.samples.iter().map(|s| s.shift).collect();
+        TSplineSurface::new(domain, shifts, fit.spline)
+    }
+
+    #[test]
+    fn numbers_give_the_same_surface_to_the_bit() {
+        let sphere = shapes::sphere(900);
+        for (mesh, poles) in [
+            (shapes::genus(2, 2000), Vec::new()),
+            (sphere.clone(), vec![0, 400]),
+        ] {
+            let given = surface(&mesh, poles);
+            let parts = given.parts(&CapOptions::default());
+            let own = given.domain().mesh().clone();
+            let read = TSplineSurface::from_parts(own, &parts).expect("a surface");
+            assert_eq!(read.vertices(), given.vertices());
+            assert_eq!(read.spline(), given.spline());
+            assert_eq!(read.parts(&CapOptions::default()), parts);
+        }
+    }
+
+    #[test]
+    fn surfaces_close_at_their_poles() {
+        let mesh = shapes::sphere(900);
+        let surface = surface(&mesh, vec![0, 400]);
+        let shown = surface.tessellate(3).expect("triangles");
+        let closed = TriangleMesh::build(shown.positions.clone(), shown.faces).expect("a mesh");
+        assert_eq!(closed.topology().boundary_loops().len(), 0);
+        let poles = surface.domain().poles();
+        let centres = surface.domain().mesh().vertex_count()..;
+        for (pole, centre) in poles.iter().zip(centres) {
+            let there = surface
+                .spline()
+                .evaluate(&[pole.at], Order::Value)
+                .positions[0];
+            assert_eq!(there, shown.positions[centre]);
+            // The radius is 1: the polynomial of the cap goes on over the star that was removed.
+            assert!((there.coords.norm() - 1.0).abs() < 0.01, "{there}");
+        }
+    }
+
+    #[test]
+    fn damaged_numbers_are_refused_by_name() {
+        let mesh = shapes::torus(1.0, 0.4, 900);
+        let given = surface(&mesh, Vec::new());
+        let parts = given.parts(&CapOptions::default());
+        let refusal = |change: &dyn Fn(&mut SurfaceParts)| {
+            let mut damaged = parts.clone();
+            change(&mut damaged);
+            let error = TSplineSurface::from_parts(mesh.clone(), &damaged);
+            error.expect_err("damaged numbers").to_string()
+        };
+        let control = refusal(&|p| {
+            p.control.pop();
+        });
+        assert!(control.contains("control vectors where"), "{control}");
+        let leaf = refusal(&|p| p.splits.push((90_000, Axis::X)));
+        assert!(leaf.contains("leaf 90000"), "{leaf}");
+        let number = refusal(&|p| p.shifts[7][1] = f64::NAN);
+        assert!(number.contains("number 7 of the shifts"), "{number}");
+        let form = refusal(&|p| p.form[3][1] += 0.25);
+        assert!(form.contains("whole periods"), "{form}");
+    }
+}
