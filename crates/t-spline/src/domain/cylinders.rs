@@ -129,7 +129,7 @@ impl Cylinders {
                     let miss = (start + self.links[index].length - next).abs() / size;
                     self.closure = self.closure.max(miss);
                     // NaN counts.
-                    if !(miss <= CLOSURE) {
+                    if miss.is_nan() || miss > CLOSURE {
                         return Err(DomainError::Closure { cylinder, miss });
                     }
                 }
@@ -294,7 +294,7 @@ fn borders(
                 return Err(DomainError::Closure { cylinder, miss });
             };
             // NaN counts.
-            if !(miss <= CLOSURE) {
+            if miss.is_nan() || miss > CLOSURE {
                 return Err(DomainError::Closure { cylinder, miss });
             }
             Ok(RealCylinder {

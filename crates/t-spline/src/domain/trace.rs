@@ -52,7 +52,11 @@ impl CriticalGraph {
                 }
             }
         }
-        match graph.trajectories.iter().find(|run| !(run.length > 0.0)) {
+        match graph
+            .trajectories
+            .iter()
+            .find(|run| run.length.is_nan() || run.length <= 0.0)
+        {
             Some(run) => Err(DomainError::Trajectory {
                 vertex: sheets.mesh.faces()[run.face as usize][run.corner],
                 length: run.length,
