@@ -13,6 +13,7 @@ pub mod caps;
 pub mod complex;
 pub mod domain;
 pub mod fit;
+pub mod options;
 pub mod parts;
 #[cfg(test)]
 mod samples;
