@@ -3,6 +3,7 @@
 mod conformal;
 mod powell_sabin;
 mod solid;
+mod t_spline;
 
 use std::path::PathBuf;
 
@@ -12,6 +13,7 @@ use msplines_compare::case::{Amount, Knots};
 pub(crate) use conformal::Conformal;
 pub(crate) use powell_sabin::{Fill, PowellSabin, Reshape, Weights};
 pub(crate) use solid::{Deform, Map, SolidFit, Trivariate};
+pub(crate) use t_spline::{TSpline, Toggle};
 
 /// Splines on triangle meshes of any shape.
 ///
@@ -100,6 +102,8 @@ pub(crate) enum Fit {
     Trivariate(Trivariate),
     /// One C1 surface through all vertices of a mesh and their normals, of any genus.
     PowellSabin(PowellSabin),
+    /// A C2 T-spline that approximates a mesh of any genus.
+    TSpline(TSpline),
 }
 
 /// What every fit takes.

@@ -19,6 +19,7 @@ use crate::manifold;
 use crate::powell_sabin;
 use crate::session::{Failure, Session};
 use crate::solid;
+use crate::t_spline;
 
 /// Attributes that hold the colours of vertices.
 const COLOURS: [&str; 3] = ["red", "green", "blue"];
@@ -38,6 +39,7 @@ pub(crate) fn fit(fit: &Fit, session: &Session) -> Result<u8, Failure> {
         Fit::CurveNetwork(arguments) => (&arguments.input, manifold::network(arguments, session)),
         Fit::Trivariate(arguments) => (&arguments.input, solid::case(arguments, session)?),
         Fit::PowellSabin(arguments) => (&arguments.input, powell_sabin::case(arguments, session)),
+        Fit::TSpline(arguments) => (&arguments.input, t_spline::case(arguments, session)),
     };
     let label = format!("{} {}", case.method.name(), file_name(input));
     session.observe(&label, |observer| {

@@ -19,6 +19,7 @@ mod manifold;
 mod powell_sabin;
 mod session;
 mod solid;
+mod t_spline;
 
 use std::process::ExitCode;
 use std::time::Instant;

@@ -3,6 +3,7 @@
 mod conformal;
 mod powell_sabin;
 mod solid;
+mod t_spline;
 
 use std::path::PathBuf;
 
@@ -16,6 +17,7 @@ use crate::case::AmountError;
 pub use conformal::AtlasError;
 pub use powell_sabin::PowellSabinError;
 pub use solid::TrivariateError;
+pub use t_spline::TSplineError;
 
 /// The exit codes of the program.
 pub mod exit {
@@ -151,6 +153,9 @@ pub enum RunError {
     /// The Powell-Sabin spline failed.
     #[error(transparent)]
     PowellSabin(#[from] PowellSabinError),
+    /// The T-spline failed.
+    #[error(transparent)]
+    TSpline(#[from] TSplineError),
     /// The fitted or stored spline could not be evaluated.
     #[error(transparent)]
     Spline(#[from] SplineFileError),
@@ -187,6 +192,7 @@ impl RunError {
             Self::Trivariate(error) => error.exit_code(),
             Self::Atlas(error) => error.exit_code(),
             Self::PowellSabin(error) => error.exit_code(),
+            Self::TSpline(error) => error.exit_code(),
             Self::Task { .. }
             | Self::Biharmonic(FitError::CreaseAngle { .. } | FitError::WeightsWithL1)
             | Self::Combine(CombineError::Factor { .. })
@@ -343,6 +349,14 @@ pub enum SplineFileError {
     /// The stored numbers are no Powell-Sabin spline over the mesh.
     #[error("the spline does not fit its mesh: {0}")]
     PowellSabin(#[from] msplines_powell_sabin::SurfaceError),
+    /// Values of a T-spline are asked for at points of its own mesh.
+    #[error(
+        "a T-spline is evaluated at the vertices of its input or by its own tessellation; leave out subdivision and sums"
+    )]
+    OwnTessellation,
+    /// The stored numbers are no T-spline over the mesh.
+    #[error("t-spline: {0}; the spline file is damaged, fit again")]
+    TSpline(#[from] msplines_t_spline::parts::PartsError),
     /// A trivariate spline over something else than the cube.
     #[error("a trivariate spline must have the domain `cube`; the file is damaged, fit again")]
     NoCube,
@@ -363,6 +377,7 @@ impl SplineFileError {
             | Self::Polygons
             | Self::Cube
             | Self::SurfacePoints
+            | Self::OwnTessellation
             | Self::DomainMissing { .. } => exit::USAGE,
             Self::Biharmonic(_) | Self::Space(_) | Self::LsMesh(_) | Self::Evaluate(_) => {
                 exit::METHOD

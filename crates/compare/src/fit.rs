@@ -74,7 +74,8 @@ pub(crate) fn fit(
         | Method::Chart(_)
         | Method::Trivariate(_)
         | Method::Conformal(_)
-        | Method::PowellSabin(_) => Err(RunError::Task {
+        | Method::PowellSabin(_)
+        | Method::TSpline(_) => Err(RunError::Task {
             task: "spline over triangles",
             method: case.method.name(),
         }),

@@ -14,17 +14,21 @@ pub mod cells;
 pub mod complex;
 pub mod domain;
 pub mod fit;
+pub mod options;
+pub mod parts;
 #[cfg(test)]
 mod samples;
 pub mod space;
 pub mod spline;
 pub mod support;
 pub mod surface;
+mod tessellate;
 pub mod tmesh;
 
 pub use complex::CylinderComplex;
 pub use domain::{Domain, DomainOptions};
 pub use fit::{Fit, FitError, FitOptions, Sample, Stop, fit};
+pub use parts::SurfaceParts;
 pub use space::TSplineSpace;
 pub use spline::TSpline;
 pub use surface::TSplineSurface;

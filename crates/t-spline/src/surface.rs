@@ -3,7 +3,8 @@
 //! # Notation
 //! A point of the mesh lies at `z` on the cylinders. Vertices have moved from there by `d_i` during the
 //! fit; on a face with barycentric coordinates `b_i` all points move by `Σ b_i d_i`, so that the map from
-//! the mesh to the surface is continuous, and exactly that of the fit at the vertices.
+//! the mesh to the surface is continuous, and exactly that of the fit at the vertices. Around a pole `d_i`
+//! are taken up to whole turns.
 //!
 //! # Reference
 //! [He2006] Eq. (1).
@@ -50,7 +51,8 @@ impl TSplineSurface {
     }
 
     /// Returns the vertices of a domain as samples of a fit, by vertex: added ones count as points on faces,
-    /// and those at zeros stay where they are and weigh more.
+    /// and those at zeros stay where they are and weigh more. The centres of poles may follow, which no
+    /// vertex of the mesh is.
     #[must_use]
     pub fn samples(domain: &Domain) -> Vec<Sample> {
         let positions = domain.mesh().positions().iter().enumerate();
@@ -74,6 +76,17 @@ impl TSplineSurface {
         &self.domain
     }
 
+    /// Returns where each vertex of the mesh lies on the cylinders. O(n).
+    #[must_use]
+    pub fn vertices(&self) -> Vec<Point> {
+        let complex = self.domain.complex();
+        let place = |v: usize| {
+            let (at, _) = complex.walk(self.domain.vertex(v as u32), self.shifts[v]);
+            at
+        };
+        (0..self.shifts.len()).into_par_iter().map(place).collect()
+    }
+
     /// Returns how far each vertex has moved, in units.
     #[must_use]
     pub fn shifts(&self) -> &[[f64; 2]] {
@@ -92,25 +105,37 @@ impl TSplineSurface {
     /// If there is no such face.
     #[must_use]
     pub fn place(&self, point: &SurfacePoint) -> Point {
-        let corners = self.domain.mesh().faces()[point.face as usize];
+        let from = self.domain.place(point);
         let mut shift = [0.0; 2];
-        for (corner, weight) in corners.into_iter().zip(point.at) {
-            let [x, y] = self.shifts[corner as usize];
+        for ([x, y], weight) in self
+            .shifts_on(point.face, from.cylinder)
+            .into_iter()
+            .zip(point.at)
+        {
             shift = [shift[0] + weight * x, shift[1] + weight * y];
         }
-        self.domain
-            .complex()
-            .walk(self.domain.place(point), shift)
-            .0
+        self.domain.complex().walk(from, shift).0
+    }
+
+    /// Returns how far the corners of a face have moved, none by whole turns of a cylinder more than the
+    /// first: around a pole a short way may be a turn in `x`.
+    fn shifts_on(&self, face: u32, cylinder: u32) -> [[f64; 2]; 3] {
+        let size = self.domain.complex().cylinders()[cylinder as usize].circumference as f64;
+        let corners = self.domain.mesh().faces()[face as usize];
+        let [first, ..] = corners.map(|v| self.shifts[v as usize]);
+        corners.map(|v| {
+            let [x, y] = self.shifts[v as usize];
+            [x - size * ((x - first[0]) / size).round(), y]
+        })
     }
 
     /// Returns the derivatives of `x` and `y`, in units of the form's 1, by the coordinates of the frame of
     /// the face that a point lies on: `[[x_a, y_a], [x_b, y_b]]`.
     fn change(&self, point: &SurfacePoint) -> [[f64; 2]; 2] {
         let mesh = self.domain.mesh();
-        let corners = mesh.faces()[point.face as usize];
-        let flat = self.domain.patch(point).corners;
-        let at = |i: usize, k: usize| (flat[i][k] + self.shifts[corners[i] as usize][k]) / UNITS;
+        let patch = self.domain.patch(point);
+        let shifts = self.shifts_on(point.face, patch.cylinder);
+        let at = |i: usize, k: usize| (patch.corners[i][k] + shifts[i][k]) / UNITS;
         let side = |i: usize| [0, 1].map(|k| at((i + 1) % 3, k) - at(i, k));
         flat_by_frame(mesh, point.face, [0, 1, 2].map(side))
     }

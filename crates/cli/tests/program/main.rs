@@ -8,4 +8,5 @@ mod hostile;
 mod manifold;
 mod powell_sabin;
 mod solid;
+mod t_spline;
 mod workbench;

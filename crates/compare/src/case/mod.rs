@@ -5,6 +5,7 @@ mod edit;
 mod manifold;
 mod powell_sabin;
 mod solid;
+mod t_spline;
 
 use std::fmt;
 use std::path::PathBuf;
@@ -21,6 +22,7 @@ pub use edit::{Edit, Move};
 pub use manifold::{ChartMethod, Creases, CurveNetworkMethod, Polygons, SparseManifoldMethod};
 pub use powell_sabin::{BasisFunction, Layout, PowellSabinMethod, SplineEdit};
 pub use solid::{Cut, Filler, LatticeMove, SolidMap, TrivariateMethod};
+pub use t_spline::TSplineMethod;
 
 /// One run: an input, the data on it, a method with its options, and what to write.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -103,7 +105,8 @@ impl Case {
             | Method::Chart(_)
             | Method::Trivariate(_)
             | Method::Conformal(_)
-            | Method::PowellSabin(_) => {}
+            | Method::PowellSabin(_)
+            | Method::TSpline(_) => {}
         }
         if let Data::Array(values) = &mut self.data {
             data = Some(values);
@@ -216,6 +219,8 @@ pub enum Method {
     Conformal(ConformalMethod),
     /// Powell-Sabin spline through the vertices of a surface and their normals.
     PowellSabin(Box<PowellSabinMethod>),
+    /// T-spline that approximates a surface.
+    TSpline(Box<TSplineMethod>),
 }
 
 impl Method {
@@ -252,6 +257,7 @@ impl Method {
             Self::Trivariate(_) => "trivariate",
             Self::Conformal(_) => "conformal",
             Self::PowellSabin(_) => "powell-sabin",
+            Self::TSpline(_) => "t-spline",
         }
     }
 }

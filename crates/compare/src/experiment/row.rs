@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::{Printed, Recorded, RowFrames, RowManifold, RowNetwork, RowSolid};
 use crate::case::{
     Amount, AmountError, Case, CaseCreases, ChartMethod, ConformalMethod, Data, Input, Knots,
-    Method, PowellSabinMethod, Task, Weights,
+    Method, PowellSabinMethod, TSplineMethod, Task, Weights,
 };
 use crate::generated::{ChartFunction, ControlShape, GeneratedSurface, NetworkShape, SolidShape};
 
@@ -47,6 +47,8 @@ pub struct Row {
     pub conformal: Option<ConformalMethod>,
     /// Options of a Powell-Sabin spline.
     pub powell_sabin: Option<PowellSabinMethod>,
+    /// Options of a T-spline.
+    pub t_spline: Option<TSplineMethod>,
     /// Frames of an animation, in place of one surface.
     pub over_time: Option<RowFrames>,
     /// How knots are chosen; the method's default where absent.
@@ -126,6 +128,8 @@ pub enum MethodName {
     Conformal,
     /// Powell-Sabin spline through the vertices of a surface.
     PowellSabin,
+    /// T-spline that approximates a surface.
+    TSpline,
 }
 
 impl MethodName {
@@ -141,6 +145,7 @@ impl MethodName {
             Self::Trivariate => "trivariate",
             Self::Conformal => "conformal",
             Self::PowellSabin => "powell-sabin",
+            Self::TSpline => "t-spline",
         }
     }
 
@@ -166,6 +171,7 @@ impl MethodName {
             Self::Trivariate => "trivariate spline",
             Self::Conformal => "conformal atlas",
             Self::PowellSabin => "Powell-Sabin spline",
+            Self::TSpline => "T-spline",
         }
     }
 }
@@ -232,7 +238,8 @@ impl Row {
             | MethodName::Chart
             | MethodName::Trivariate
             | MethodName::Conformal
-            | MethodName::PowellSabin => {
+            | MethodName::PowellSabin
+            | MethodName::TSpline => {
                 let given = self.knots.is_some() || self.knots_from.is_some();
                 let title = self.method.title();
                 return given.then(|| format!("a {title} has no knots; leave them out"));
@@ -272,6 +279,9 @@ impl Row {
         }
         if self.powell_sabin.is_some() && self.method != MethodName::PowellSabin {
             return Some("`powell_sabin` goes with Powell-Sabin splines; leave it out");
+        }
+        if self.t_spline.is_some() && self.method != MethodName::TSpline {
+            return Some("`t_spline` goes with T-splines; leave it out");
         }
         None
     }
@@ -376,6 +386,9 @@ impl Row {
             }
             (MethodName::PowellSabin, _) => {
                 Method::PowellSabin(Box::new(self.powell_sabin.clone().unwrap_or_default()))
+            }
+            (MethodName::TSpline, _) => {
+                Method::TSpline(Box::new(self.t_spline.clone().unwrap_or_default()))
             }
         };
         if let Method::Biharmonic(method) = &mut method {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::{
     Change, RunOutput, Shift, Summary, check_finite, edits, enter, manifold, powell_sabin, record,
-    solid, sums,
+    solid, sums, t_spline,
 };
 use crate::case::Data;
 use crate::clock::PhaseClock;
@@ -80,6 +80,9 @@ pub fn evaluate(
     match &spline.spline {
         StoredSpline::PowellSabin(_) => {
             return powell_sabin::evaluate(evaluation, spline, &mut clock, observer);
+        }
+        StoredSpline::TSpline(_) => {
+            return t_spline::evaluate(evaluation, spline, &mut clock, observer);
         }
         // All others refuse what only these have.
         other if !evaluation.changes.is_empty() => {

@@ -11,6 +11,7 @@ mod properties;
 mod shared_space;
 mod solid;
 mod sums;
+mod t_spline;
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -144,7 +145,8 @@ fn asked(
 ) -> Option<Result<RunOutput, RunError>> {
     let own = solid::asked(case, clock, observer);
     let own = own.or_else(|| conformal::asked(case, clock, observer));
-    if let Some(output) = own.or_else(|| powell_sabin::asked(case, clock, observer)) {
+    let own = own.or_else(|| powell_sabin::asked(case, clock, observer));
+    if let Some(output) = own.or_else(|| t_spline::asked(case, clock, observer)) {
         return Some(output);
     }
     if let Err(error) = check_outputs(&case.outputs) {

@@ -58,7 +58,8 @@ impl SharedSpace {
             | Method::Chart(_)
             | Method::Trivariate(_)
             | Method::Conformal(_)
-            | Method::PowellSabin(_) => Err(RunError::Task {
+            | Method::PowellSabin(_)
+            | Method::TSpline(_) => Err(RunError::Task {
                 task: "data over time",
                 method: case.method.name(),
             }),

@@ -7,6 +7,7 @@ mod biharmonic;
 mod chart;
 mod manifold;
 mod mesh;
+mod t_spline;
 mod trivariate;
 
 use std::io::Write;
@@ -19,6 +20,7 @@ use msplines_common::mesh::TriangleMesh;
 use msplines_ls_mesh::{Constraints, LsMesh};
 use msplines_powell_sabin::PowellSabinSurface;
 use msplines_powell_sabin::surface::SurfaceParts;
+use msplines_t_spline::TSplineSurface;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{RunError, SplineFileError};
@@ -27,6 +29,7 @@ pub use biharmonic::StoredBiharmonic;
 pub use chart::StoredLocal;
 pub use manifold::{StoredChart, StoredManifold, StoredPolygons};
 pub use mesh::StoredMesh;
+pub use t_spline::StoredTSpline;
 pub use trivariate::{StoredCube, StoredTrivariate};
 
 /// The schema of [`SplineFile`].
@@ -99,6 +102,8 @@ pub enum StoredSpline {
     Trivariate(StoredTrivariate),
     /// A Powell-Sabin spline over a surface.
     PowellSabin(Box<SurfaceParts>),
+    /// A T-spline over a surface.
+    TSpline(Box<StoredTSpline>),
 }
 
 impl StoredSpline {
@@ -160,6 +165,17 @@ impl StoredSpline {
         }
     }
 
+    /// Returns the T-spline that this is, over the mesh it was fitted to.
+    ///
+    /// # Errors
+    /// A spline of another method, or numbers that do not fit the mesh.
+    pub(crate) fn t_spline(&self, mesh: &TriangleMesh) -> Result<TSplineSurface, RunError> {
+        match self {
+            Self::TSpline(stored) => Ok(stored.restore(mesh)?),
+            _ => Err(self.without("T-spline surface")),
+        }
+    }
+
     fn without(&self, task: &'static str) -> RunError {
         RunError::Task {
             task,
@@ -177,6 +193,7 @@ impl StoredSpline {
             Self::Chart(_) => "chart",
             Self::Trivariate(_) => "trivariate",
             Self::PowellSabin(_) => "powell-sabin",
+            Self::TSpline(_) => "t-spline",
         }
     }
 
@@ -186,7 +203,10 @@ impl StoredSpline {
         match self {
             Self::Biharmonic(spline) => spline.dimension,
             Self::LsMesh { dimension, .. } => *dimension,
-            Self::SparseManifold(_) | Self::Trivariate(_) | Self::PowellSabin(_) => 3,
+            Self::SparseManifold(_)
+            | Self::Trivariate(_)
+            | Self::PowellSabin(_)
+            | Self::TSpline(_) => 3,
             Self::Chart(_) => 1,
         }
     }
@@ -200,7 +220,8 @@ impl StoredSpline {
             Self::SparseManifold(_)
             | Self::Chart(_)
             | Self::Trivariate(_)
-            | Self::PowellSabin(_) => &[],
+            | Self::PowellSabin(_)
+            | Self::TSpline(_) => &[],
         }
     }
 
@@ -216,7 +237,8 @@ impl StoredSpline {
             | Self::SparseManifold(_)
             | Self::Chart(_)
             | Self::Trivariate(_)
-            | Self::PowellSabin(_) => &[],
+            | Self::PowellSabin(_)
+            | Self::TSpline(_) => &[],
         };
         let place = |&knot: &u32| match mesh.positions().get(knot as usize) {
             Some(vertex) => *vertex,
@@ -275,6 +297,7 @@ impl StoredSpline {
             Self::SparseManifold(_) | Self::Chart(_) => Err(SplineFileError::Polygons),
             Self::Trivariate(_) => Err(SplineFileError::Cube),
             Self::PowellSabin(_) => Err(SplineFileError::SurfacePoints),
+            Self::TSpline(_) => Err(SplineFileError::OwnTessellation),
             Self::LsMesh { .. } if rounds > 0 => Err(SplineFileError::VerticesOnly),
             Self::LsMesh {
                 dimension,

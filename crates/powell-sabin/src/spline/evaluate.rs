@@ -5,7 +5,7 @@ use msplines_common::evaluate::{
     Domain, EvaluateError, Evaluator, Order, Samples, SurfaceSpline, check_frames, check_points,
     flat_by_frame,
 };
-use msplines_common::mesh::{SurfacePoint, TriangleMesh};
+use msplines_common::mesh::SurfacePoint;
 use rayon::prelude::*;
 
 use super::PowellSabinSpline;

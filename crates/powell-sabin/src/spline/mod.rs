@@ -7,7 +7,6 @@ mod tessellate;
 
 pub use basis::Basis;
 pub(crate) use evaluate::POINTS_PER_TASK;
-pub(crate) use tessellate::Lattice;
 pub use tessellate::Tessellation;
 
 use msplines_common::{Point3, Vector3};

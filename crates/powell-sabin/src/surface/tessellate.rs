@@ -2,11 +2,11 @@
 
 use msplines_common::Point3;
 use msplines_common::evaluate::Order;
-use msplines_common::mesh::{NONE, SurfacePoint};
+use msplines_common::mesh::{Lattice, NONE, SurfacePoint};
 use rayon::prelude::*;
 
 use super::PowellSabinSurface;
-use crate::spline::{Lattice, Tessellation};
+use crate::spline::Tessellation;
 
 impl PowellSabinSurface {
     /// Returns the surface over `segments²` triangles per face of the mesh, watertight: neighbouring

@@ -39,7 +39,7 @@ pub use error::DomainError;
 pub use form::{End, PeriodicForm};
 pub use place::Patch;
 
-use crate::complex::{CylinderComplex, UNITS};
+use crate::complex::{Beyond, CylinderComplex, Point, UNITS};
 use cylinders::{Chart, Cylinders};
 use form::Values;
 use levels::{Critical, Levels};
@@ -81,6 +81,23 @@ pub struct DomainZero {
     pub order: u32,
 }
 
+/// The centre of a pole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pole {
+    /// The vertex of the surface.
+    pub vertex: u32,
+    /// Its index among the ends.
+    pub index: u32,
+    /// Where it lies.
+    pub at: Point,
+    /// The direction of `y` towards it, 1 or -1.
+    pub away: f64,
+}
+
+/// How far beyond the end of a cylinder the centre of a pole is put, in circumferences: the coordinate of
+/// a cap is `exp(-16 pi)` there, below the last digit of 1.
+const FAR: f64 = 8.0;
+
 /// Figures about a domain.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DomainReport {
@@ -121,6 +138,8 @@ pub struct Domain {
     zeros: Vec<DomainZero>,
     ends: Vec<End>,
     origins: Vec<Option<u32>>,
+    form: Vec<[f64; 2]>,
+    snap: SnapOptions,
     report: DomainReport,
 }
 
@@ -172,6 +191,8 @@ impl Domain {
             sheets,
             zeros,
             ends: given.ends.clone(),
+            form: given.form.clone(),
+            snap: *snap,
             report,
         })
     }
@@ -207,6 +228,69 @@ impl Domain {
     #[must_use]
     pub fn ends(&self) -> &[End] {
         &self.ends
+    }
+
+    /// Returns the form that the mesh was cut by: [`Self::of_form`] makes the same domain of it, with
+    /// [`Self::snap`], but for the names of the vertices. O(n).
+    #[must_use]
+    pub fn form(&self) -> PeriodicForm {
+        PeriodicForm {
+            mesh: self.mesh().clone(),
+            form: self.form.clone(),
+            ends: self.ends.clone(),
+        }
+    }
+
+    /// Returns what counted as thin and near.
+    #[must_use]
+    pub fn snap(&self) -> &SnapOptions {
+        &self.snap
+    }
+
+    /// Returns the domain with other names of its vertices, as [`Self::origins`] has them.
+    ///
+    /// # Panics
+    /// If there is not one per vertex of the mesh.
+    #[must_use]
+    pub fn with_origins(self, origins: Vec<Option<u32>>) -> Self {
+        let vertices = self.mesh().vertex_count();
+        assert_eq!(origins.len(), vertices, "one origin per vertex");
+        Self { origins, ..self }
+    }
+
+    /// Returns the centre of every pole and the vertex of the surface that it is. It lies beyond the end of
+    /// its cylinder, as far as makes no difference.
+    #[must_use]
+    pub fn poles(&self) -> Vec<Pole> {
+        let mut poles = Vec::new();
+        for (cylinder, own) in (0..).zip(self.complex.cylinders()) {
+            let [size, height] = [own.circumference, own.height].map(|n| n as f64);
+            let borders = [
+                (&own.bottom, -FAR * size, -1.0),
+                (&own.top, height + FAR * size, 1.0),
+            ];
+            for (border, y, away) in borders {
+                let Some(Beyond::Pole { index }) = border.first().map(|s| s.beyond) else {
+                    continue;
+                };
+                let End::Pole(vertex) = self.ends[index as usize] else {
+                    continue;
+                };
+                let at = Point {
+                    cylinder,
+                    x: 0.0,
+                    y,
+                };
+                poles.push(Pole {
+                    vertex,
+                    index,
+                    at,
+                    away,
+                });
+            }
+        }
+        poles.sort_by_key(|pole| pole.index);
+        poles
     }
 
     /// Returns figures about the domain.

@@ -3,9 +3,9 @@
 use msplines_common::evaluate::Order;
 use rayon::prelude::*;
 
-use super::options::Refinement;
 use super::samples::Sorted;
 use crate::complex::{Point, UNITS};
+use crate::options::Refinement;
 use crate::spline::TSpline;
 use crate::tmesh::Axis;
 

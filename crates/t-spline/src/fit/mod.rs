@@ -11,7 +11,6 @@
 mod correction;
 mod error;
 mod marking;
-mod options;
 mod samples;
 mod system;
 #[cfg(test)]
@@ -24,8 +23,8 @@ use msplines_common::evaluate::Order;
 use msplines_common::progress::{Observer, Outcome, Progress};
 use serde::{Deserialize, Serialize};
 
+pub use crate::options::{Correction, FitOptions, Refinement, Stop};
 pub use error::FitError;
-pub use options::{Correction, FitOptions, Refinement, Stop};
 pub use samples::Sample;
 
 use crate::caps::{CapKind, Caps};

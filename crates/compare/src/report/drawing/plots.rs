@@ -90,6 +90,7 @@ fn series(rows: &[&RowReport], axes: [Axis; 2]) -> Vec<Line> {
         MethodName::Trivariate,
         MethodName::Conformal,
         MethodName::PowellSabin,
+        MethodName::TSpline,
     ] {
         for row in rows.iter().filter(|row| row.row.method == method) {
             let record = row.result.record();

@@ -162,15 +162,7 @@ impl Source {
                     (None, spline, attributes)
                 }
             };
-        let knots = read_points(&files.join(ROW_KNOTS));
-        let knots = match report.row.method {
-            MethodName::SparseManifold | MethodName::CurveNetwork | MethodName::Trivariate => {
-                Vec::new()
-            }
-            // A form without zeros leaves no file.
-            MethodName::Conformal | MethodName::PowellSabin => knots.unwrap_or_default(),
-            _ => knots.map_err(|e| e.to_string())?,
-        };
+        let knots = knots_of(report.row.method, files)?;
         Ok(Self {
             fitted: match &frame {
                 None if has_charts => Err(NO_DATA.to_owned()),
@@ -341,4 +333,19 @@ fn texture(files: &Path) -> Result<Vec<[[f64; 2]; 3]>, String> {
 /// What is said where files of a row are gone.
 pub(super) fn missing() -> String {
     "its files are missing; run the row again with --fresh".to_owned()
+}
+
+/// Returns the places of knots of a row, or of the zeros of its form.
+fn knots_of(method: MethodName, files: &Path) -> Result<Vec<Point3<f64>>, String> {
+    let knots = read_points(&files.join(ROW_KNOTS));
+    match method {
+        MethodName::SparseManifold | MethodName::CurveNetwork | MethodName::Trivariate => {
+            Ok(Vec::new())
+        }
+        // A form without zeros leaves no file.
+        MethodName::Conformal | MethodName::PowellSabin | MethodName::TSpline => {
+            Ok(knots.unwrap_or_default())
+        }
+        _ => knots.map_err(|e| e.to_string()),
+    }
 }

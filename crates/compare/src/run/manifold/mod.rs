@@ -64,7 +64,8 @@ pub(super) fn asked(
         | Method::LsMesh { .. }
         | Method::Trivariate(_)
         | Method::Conformal(_)
-        | Method::PowellSabin(_) => None,
+        | Method::PowellSabin(_)
+        | Method::TSpline(_) => None,
     }
 }
 

@@ -20,12 +20,12 @@ mod tests;
 
 use msplines_common::Vector3;
 use msplines_common::evaluate::Order;
-use msplines_common::mesh::{NONE, SurfacePoint, Topology, TriangleMesh};
+use msplines_common::mesh::{Lattice, NONE, SurfacePoint, Topology, TriangleMesh};
 use msplines_conformal::Zero;
 
 use super::jet::Jet;
 use super::part::Part;
-use crate::spline::{Lattice, PowellSabinSpline};
+use crate::spline::PowellSabinSpline;
 pub(super) use relax::Relaxed;
 
 /// Pieces into which each side of a face, or part of a side along the rim, is divided.

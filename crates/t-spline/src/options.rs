@@ -49,7 +49,7 @@ pub struct Refinement {
     pub grading: Grading,
 }
 
-/// Options of [`fit`](super::fit).
+/// Options of [`fit`](crate::fit::fit).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FitOptions {

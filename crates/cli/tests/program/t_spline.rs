@@ -1,0 +1,140 @@
+//! What the program does with T-splines.
+
+use msplines_common::mesh::shapes;
+
+use crate::workbench::Workbench;
+
+/// Returns a folder with a torus, a double torus, a sphere and a disk.
+fn workbench() -> Workbench {
+    let workbench = Workbench::new();
+    workbench.put("ring.ply", &shapes::torus(1.0, 0.4, 900));
+    workbench.put("two.ply", &shapes::genus(2, 2000));
+    workbench.put("ball.ply", &shapes::sphere(900));
+    workbench.put("sheet.ply", &shapes::height_field(625));
+    workbench
+}
+
+#[test]
+fn surfaces_of_every_kind_are_approximated_within_a_budget() {
+    let workbench = workbench();
+    for (name, points, zeros, poles, worst) in [
+        ("ring", 150, 0, 0, 0.02),
+        ("two", 500, 2, 0, 0.05),
+        ("ball", 200, 0, 2, 0.02),
+        ("sheet", 250, 0, 1, 0.05),
+    ] {
+        let arguments =
+            format!("fit t-spline {name}.ply --control-points {points} -o out.ply --report r.json");
+        workbench.expect(0, &arguments);
+        let record = workbench.json("r.json");
+        let checks = &record["checks"];
+        let number = |name: &str| checks[name].as_f64().expect(name);
+        assert!(number("control_points") <= f64::from(points), "{checks}");
+        assert_eq!(
+            record["dofs"].as_f64(),
+            Some(3.0 * number("control_points"))
+        );
+        assert_eq!(checks["zeros"], zeros, "{name}");
+        assert_eq!(checks["poles"], poles, "{name}");
+        assert_eq!(checks["extraordinary_points"], zeros + poles, "{name}");
+        assert_eq!(checks["unmeasured_vertices"], 0, "{name}");
+        assert!(
+            number("unity_max") < 1e-12 && number("basis_sum_min") > 1e-3,
+            "{checks}"
+        );
+        assert!(number("max_unit_cube") < worst, "{name}: {checks}");
+        // What is written is what is measured.
+        let (given, written) = (
+            workbench.soup(&format!("{name}.ply")),
+            workbench.soup("out.ply"),
+        );
+        assert_eq!(written.face_count(), given.face_count());
+        let pairs = written.positions.iter().zip(&given.positions);
+        let squares: f64 = pairs.map(|(a, b)| (a - b).norm_squared()).sum();
+        let rms = (squares / given.positions.len() as f64).sqrt();
+        let error = &record["error"];
+        let scaled = |name: &str| error[name].as_f64().expect("a number");
+        assert!(
+            (rms / scaled("scale") - scaled("rms")).abs() < 1e-9,
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_stored_surface_is_evaluated_to_the_same_bytes() {
+    let workbench = workbench();
+    for (name, points) in [("two", 400), ("ball", 150)] {
+        let fit = format!("fit t-spline {name}.ply --control-points {points}");
+        workbench.expect(0, &format!("{fit} -o s.json -o fitted.ply"));
+        workbench.expect(0, "evaluate s.json -o again.ply -o t.json");
+        assert_eq!(workbench.bytes("fitted.ply"), workbench.bytes("again.ply"));
+        assert_eq!(workbench.bytes("s.json"), workbench.bytes("t.json"));
+        let options = "--tessellate 3 --threads 1";
+        workbench.expect(0, &format!("{fit} {options} -o one.ply -o u.json"));
+        workbench.expect(0, "evaluate s.json --tessellate 3 -o again.ply");
+        assert_eq!(workbench.bytes("one.ply"), workbench.bytes("again.ply"));
+        // Closed, also at the poles.
+        workbench.expect(0, "info one.ply --json");
+        let faces = workbench.soup("one.ply").face_count();
+        assert_eq!(faces % 9, 0);
+    }
+}
+
+#[test]
+fn a_tolerance_is_met() {
+    let workbench = workbench();
+    workbench.expect(0, "fit t-spline ring.ply --tolerance 1% --report r.json");
+    let record = workbench.json("r.json");
+    assert_eq!(record["outcome"], "converged");
+    assert!(
+        record["checks"]["max_unit_cube"]
+            .as_f64()
+            .expect("a number")
+            <= 0.01
+    );
+    let fixed = "fit t-spline ring.ply --tolerance 0.01 --correction off --report f.json";
+    workbench.expect(0, fixed);
+    let points = |file: &str| workbench.json(file)["checks"]["control_points"].as_u64();
+    assert!(points("r.json") <= points("f.json"));
+}
+
+#[test]
+fn poles_are_chosen_where_they_are_needed_and_said() {
+    let workbench = workbench();
+    let chosen = workbench.expect(0, "fit t-spline ball.ply --control-points 150");
+    assert!(chosen.err.contains("--puncture"), "{}", chosen.err);
+    let given = "fit t-spline ball.ply --control-points 150 --puncture 0,400";
+    let given = workbench.expect(0, given);
+    assert!(!given.err.contains("were chosen"), "{}", given.err);
+}
+
+#[test]
+fn what_cannot_be_meant_is_refused_with_a_remedy() {
+    let workbench = workbench();
+    let few = workbench.expect(2, "fit t-spline ring.ply --control-points 5 -o x.ply");
+    assert!(few.err.contains("allow at least"), "{}", few.err);
+    let least = few
+        .err
+        .trim()
+        .rsplit(' ')
+        .next()
+        .expect("a number")
+        .to_owned();
+    workbench.expect(
+        0,
+        &format!("fit t-spline ring.ply --control-points {least}"),
+    );
+    let none = workbench.expect(2, "fit t-spline ring.ply --tolerance 0 -o x.ply");
+    assert!(none.err.contains("positive"), "{}", none.err);
+    let cells = workbench.expect(2, "fit t-spline ring.ply -o x.vtu");
+    assert!(cells.err.contains(".json"), "{}", cells.err);
+    let many = workbench.expect(2, "fit t-spline ring.ply --tessellate 0 -o x.ply");
+    assert!(many.err.contains("from 1 to 64"), "{}", many.err);
+    workbench.expect(2, "fit t-spline ring.ply --fairness=-1 -o x.ply");
+    workbench.expect(2, "fit t-spline ring.ply --puncture 90000,1 -o x.ply");
+    let one = workbench.expect(4, "fit t-spline ball.ply --puncture 3 -o x.ply");
+    assert!(one.err.contains("poles"), "{}", one.err);
+    workbench.expect(0, "fit t-spline ring.ply --control-points 100 -o s.json");
+    workbench.expect(2, "evaluate s.json --subdivide 1 -o x.ply");
+}

@@ -1,0 +1,25 @@
+//! T-splines over surfaces as runs are asked for them.
+
+use msplines_t_spline::FitOptions;
+use msplines_t_spline::domain::SnapOptions;
+use serde::{Deserialize, Serialize};
+
+use super::Form;
+
+/// A T-spline that approximates a surface, with its options.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TSplineMethod {
+    /// The form that cuts a closed surface with handles into cylinders; [`Form::Integer`] where absent.
+    pub form: Option<Form>,
+    /// Vertices that become poles. Where absent, a surface that needs some gets those farthest from each
+    /// other along edges.
+    pub puncture: Vec<u32>,
+    /// What counts as thin and near when cylinders are cut.
+    pub snap: SnapOptions,
+    /// The fit. A tolerance is a fraction of the longest side of the bounding box here.
+    pub fit: FitOptions,
+    /// Segments along each side of a face in files of the surface; its points at the vertices of the
+    /// input where absent.
+    pub tessellate: Option<u32>,
+}

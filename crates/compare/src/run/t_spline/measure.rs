@@ -1,0 +1,156 @@
+//! What is measured of a T-spline.
+
+use std::collections::BTreeMap;
+
+use msplines_common::Vector3;
+use msplines_common::evaluate::Order;
+use msplines_common::mesh::TriangleMesh;
+use msplines_common::metrics::{Distance, distance};
+use msplines_t_spline::complex::{Border, CylinderComplex, Node, Point};
+use msplines_t_spline::tmesh::Side;
+use msplines_t_spline::{TMesh, TSpline, TSplineSpace, TSplineSurface};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use serde_json::{Value, json};
+
+use super::tessellation;
+use crate::error::RunError;
+
+/// Random points at which the partition of unity is looked at.
+const SAMPLES: usize = 20_000;
+/// Points drawn from each surface.
+const DRAWN: usize = 100_000;
+/// The tessellation is fine enough once halving it changes the root mean square by less than this.
+const SETTLED: f64 = 0.01;
+/// Nor does halving go beyond so many triangles.
+const MOST_TRIANGLES: usize = 2_000_000;
+
+/// Returns what is known of a surface by name.
+pub(super) fn surface(surface: &TSplineSurface, seed: u64) -> BTreeMap<String, Value> {
+    let (domain, space) = (surface.domain(), surface.spline().space());
+    let (report, mesh) = (domain.report(), space.mesh());
+    let poles = domain.poles().len();
+    let points = random_points(domain.complex(), seed);
+    let named = [
+        ("control_points", json!(space.unknowns())),
+        ("cap_coefficients", json!(space.caps().coefficients())),
+        ("genus", json!(report.genus)),
+        ("zeros", json!(report.zeros)),
+        ("poles", json!(poles)),
+        ("extraordinary_points", json!(domain.zeros().len() + poles)),
+        ("cylinders", json!(domain.complex().cylinders().len())),
+        ("collapsed", json!(report.collapsed)),
+        ("thin", json!(report.thin)),
+        ("straightened", json!(report.straightened)),
+        ("least_height", json!(report.least_height)),
+        ("period_defect", json!(report.period_defect)),
+        ("closure", json!(report.closure)),
+        ("area_defect", json!(report.area_defect)),
+        ("energy", json!(report.energy)),
+        ("leaves", json!(mesh.leaves().len())),
+        ("t_junctions", json!(t_junctions(mesh))),
+        ("unity_max", json!(unity_max(space, &points))),
+        ("basis_sum_min", json!(basis_sum_min(space, &points))),
+        ("samples", json!(points.len())),
+    ];
+    named.map(|(name, value)| (name.to_owned(), value)).into()
+}
+
+/// Points as dense everywhere on the cylinders.
+fn random_points(complex: &CylinderComplex, seed: u64) -> Vec<Point> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let area = complex.area() as f64;
+    let mut points = Vec::with_capacity(SAMPLES);
+    let mut before = 0.0;
+    for (cylinder, own) in (0..).zip(complex.cylinders()) {
+        let size = [own.circumference, own.height].map(|n| n as f64);
+        let share = |area_below: f64| (SAMPLES as f64 * area_below / area).round() as usize;
+        let after = before + size[0] * size[1];
+        for _ in share(before)..share(after) {
+            let [x, y] = size.map(|side| side * random.random::<f64>());
+            points.push(Point { cylinder, x, y });
+        }
+        before = after;
+    }
+    points
+}
+
+/// Returns by how much the spline of constant 1 differs from it at most.
+fn unity_max(space: &std::sync::Arc<TSplineSpace>, points: &[Point]) -> f64 {
+    let functions = space.functions().len();
+    let mut control = vec![Vector3::zeros(); space.unknowns()];
+    control[..functions].fill(Vector3::new(1.0, 0.0, 0.0));
+    for cap in space.caps().caps() {
+        // The first monomial of a cap is constant.
+        control[functions + cap.offset as usize].x = 1.0;
+    }
+    let one = TSpline::new(std::sync::Arc::clone(space), control);
+    let values = one.evaluate(points, Order::Value).positions;
+    values.iter().map(|p| (p.x - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// Returns the least sum of the blending functions where it matters: outside of the cores of caps.
+fn basis_sum_min(space: &TSplineSpace, points: &[Point]) -> f64 {
+    let counts = |p: &&Point| space.caps().at(**p).is_none_or(|cap| cap.rest.0[0] > 0.0);
+    let outside: Vec<Point> = points.iter().filter(counts).copied().collect();
+    space
+        .sums(&outside)
+        .into_iter()
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Returns the number of corners of leaves that lie inside of the side of another.
+fn t_junctions(mesh: &TMesh) -> usize {
+    let complex = mesh.complex();
+    let mut nodes: Vec<Node> = Vec::new();
+    for leaf in mesh.leaves() {
+        for (x, y) in [(0, 0), (1, 0), (1, 1), (0, 1)] {
+            nodes.push(complex.node(leaf.cylinder, leaf.x[x], leaf.y[y]));
+        }
+    }
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+        .iter()
+        .filter(|node| is_t_junction(mesh, node))
+        .count()
+}
+
+fn is_t_junction(mesh: &TMesh, node: &Node) -> bool {
+    let inside = |at: &Node, side_y: Side| {
+        [Side::Low, Side::High].into_iter().any(|side_x| {
+            let leaf = mesh.locate(at.cylinder, [at.x, at.y], [side_x, side_y]);
+            let leaf = mesh.leaves()[leaf as usize];
+            leaf.x[0] < at.x && at.x < leaf.x[1] || leaf.y[0] < at.y && at.y < leaf.y[1]
+        })
+    };
+    if inside(node, Side::High) {
+        return true;
+    }
+    if node.y > 0 {
+        return inside(node, Side::Low);
+    }
+    let below = mesh.complex().across(node.cylinder, Border::Bottom, node.x);
+    below.is_ok_and(|below| inside(&below, Side::Low))
+}
+
+/// Returns the two-sided distance between the surface, halved until that changes little, and a mesh.
+pub(super) fn distance_to(
+    surface: &TSplineSurface,
+    mesh: &TriangleMesh,
+    seed: u64,
+) -> Result<Distance, RunError> {
+    let mut segments = 1;
+    let mut coarser: Option<Distance> = None;
+    loop {
+        let shown = tessellation(surface, segments)?;
+        let found = distance(mesh, &shown, DRAWN, seed)?;
+        let settled =
+            coarser.is_some_and(|before| (found.rms - before.rms).abs() <= SETTLED * before.rms);
+        if settled || 4 * shown.face_count() > MOST_TRIANGLES {
+            return Ok(found);
+        }
+        coarser = Some(found);
+        segments *= 2;
+    }
+}

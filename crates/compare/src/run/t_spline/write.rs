@@ -1,0 +1,103 @@
+//! T-splines in files, by their extensions.
+
+use std::path::{Path, PathBuf};
+
+use msplines_common::Point3;
+use msplines_common::evaluate::Order;
+use msplines_common::mesh::TriangleMesh;
+use msplines_io::{Surface, write_atomically, write_surface};
+use msplines_t_spline::TSplineSurface;
+
+use super::{MOST_SEGMENTS, coordinates, tessellation};
+use crate::error::{RunError, TSplineError};
+use crate::output::{check_outputs, extension, is_array, write_array};
+use crate::spline_file::SplineFile;
+
+/// What can be written.
+pub(super) struct Written<'a> {
+    /// The spline file.
+    pub(super) file: &'a SplineFile,
+    /// The surface.
+    pub(super) surface: &'a TSplineSurface,
+    /// Segments along a side of a face; points at the vertices where absent.
+    pub(super) segments: Option<u32>,
+    /// The surface at the vertices of the input.
+    pub(super) at_vertices: &'a TriangleMesh,
+}
+
+/// Checks before any work that every output can be written, and the number of segments.
+pub(super) fn check(outputs: &[PathBuf], segments: Option<u32>) -> Result<(), RunError> {
+    if let Some(segments) = segments.filter(|n| !(1..=MOST_SEGMENTS).contains(n)) {
+        return Err(TSplineError::Segments { segments }.into());
+    }
+    let cells = |path: &&PathBuf| ["vtu", "step", "stp"].contains(&extension(path).as_str());
+    if let Some(path) = outputs.iter().find(cells) {
+        return Err(TSplineError::Output { path: path.clone() }.into());
+    }
+    check_outputs(outputs)
+}
+
+/// The surface at the vertices of the input.
+pub(super) struct AtVertices {
+    /// The faces of the input over the points of the surface; where there are none, over its own vertices.
+    pub(super) mesh: TriangleMesh,
+    /// Which vertices the surface has.
+    pub(super) known: Vec<u32>,
+}
+
+impl AtVertices {
+    pub(super) fn of(surface: &TSplineSurface, input: &TriangleMesh) -> Self {
+        let domain = surface.domain();
+        let mut places = surface.vertices();
+        let mut names = domain.origins().to_vec();
+        for pole in domain.poles() {
+            places.push(pole.at);
+            names.push(Some(pole.vertex));
+        }
+        let found = surface.spline().evaluate(&places, Order::Value).positions;
+        let mut positions: Vec<Point3<f64>> = input.positions().to_vec();
+        let mut known = Vec::with_capacity(positions.len());
+        for (name, position) in names.iter().zip(found) {
+            if let Some(vertex) = *name {
+                positions[vertex as usize] = position;
+                known.push(vertex);
+            }
+        }
+        known.sort_unstable();
+        known.dedup();
+        Self {
+            mesh: input.with_positions(positions),
+            known,
+        }
+    }
+}
+
+/// Writes a surface to every output: a tessellation, points at the vertices of the input, or the spline
+/// itself.
+pub(super) fn write(outputs: &[PathBuf], written: &Written<'_>) -> Result<(), RunError> {
+    outputs.iter().try_for_each(|path| write_one(path, written))
+}
+
+fn write_one(path: &Path, written: &Written<'_>) -> Result<(), RunError> {
+    let mesh = written.at_vertices;
+    if is_array(path) {
+        return write_array(path, vec![mesh.vertex_count(), 3], coordinates(mesh));
+    }
+    let faces_of = |mesh: &TriangleMesh| {
+        let surface = Surface {
+            positions: mesh.positions(),
+            faces: mesh.faces(),
+            ..Surface::default()
+        };
+        write_surface(path, &surface)
+    };
+    match (extension(path).as_str(), written.segments) {
+        ("json", _) => write_atomically(path, |out| written.file.write(out)),
+        (_, None) => faces_of(mesh),
+        (_, Some(segments)) => faces_of(&tessellation(written.surface, segments)?),
+    }
+    .map_err(|error| RunError::Write {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    })
+}

@@ -1,0 +1,284 @@
+//! A surface as plain numbers, as spline files hold them.
+
+use std::sync::Arc;
+
+use msplines_common::Vector3;
+use msplines_common::mesh::TriangleMesh;
+use serde::{Deserialize, Serialize};
+
+use crate::caps::{CapOptions, Caps, CapsError};
+use crate::domain::{Domain, DomainError, End, PeriodicForm, SnapOptions};
+use crate::space::TSplineSpace;
+use crate::spline::TSpline;
+use crate::surface::TSplineSurface;
+use crate::tmesh::{Axis, Grid, TMesh, TMeshError};
+
+/// The numbers of a surface besides those of its mesh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceParts {
+    /// The form, by half-edge of the mesh.
+    pub form: Vec<[f64; 2]>,
+    /// What lies beyond each boundary loop of the mesh.
+    pub ends: Vec<End>,
+    /// What counted as thin and near.
+    pub snap: SnapOptions,
+    /// The vertex of the input that each vertex of the mesh is; nothing for added ones.
+    pub origins: Vec<Option<u32>>,
+    /// How far each vertex has moved, in units.
+    pub shifts: Vec<[f64; 2]>,
+    /// The base grid of each cylinder.
+    pub grids: Vec<Grid>,
+    /// The splits of leaves, in order.
+    pub splits: Vec<(u32, Axis)>,
+    /// Degrees of the caps.
+    pub caps: CapOptions,
+    /// Radius of each cap.
+    pub radii: Vec<f64>,
+    /// Control points, then coefficients of caps.
+    pub control: Vec<[f64; 3]>,
+}
+
+/// Numbers that are no surface over a mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PartsError {
+    /// The form does not cut the mesh into cylinders.
+    #[error("the form of the mesh: {0}")]
+    Domain(#[from] DomainError),
+    /// Base grids that fit no cylinders.
+    #[error("the T-mesh: {0}")]
+    TMesh(#[from] TMeshError),
+    /// Caps that do not fit.
+    #[error("the caps: {0}")]
+    Caps(#[from] CapsError),
+    /// A split of a leaf that is not there, or cannot be split.
+    #[error("split {index} is of leaf {leaf}, which is not there or too narrow")]
+    Split {
+        /// The split.
+        index: usize,
+        /// The leaf.
+        leaf: u32,
+    },
+    /// Numbers in another count than the surface needs.
+    #[error("there are {given} {what} where {needed} are needed")]
+    Count {
+        /// What is counted.
+        what: &'static str,
+        /// How many there are.
+        given: usize,
+        /// How many there should be.
+        needed: usize,
+    },
+    /// A number that is not finite, or a radius that is not positive.
+    #[error("number {index} of the {what} is not finite, or out of range")]
+    Number {
+        /// Which numbers.
+        what: &'static str,
+        /// The first.
+        index: usize,
+    },
+}
+
+impl TSplineSurface {
+    /// Returns the numbers of the surface, besides those of [`Domain::mesh`].
+    ///
+    /// `caps` are the options that its space was built with.
+    #[must_use]
+    pub fn parts(&self, caps: &CapOptions) -> SurfaceParts {
+        let (domain, space) = (self.domain(), self.spline().space());
+        SurfaceParts {
+            form: domain.form().form,
+            ends: domain.ends().to_vec(),
+            snap: *domain.snap(),
+            origins: domain.origins().to_vec(),
+            shifts: self.shifts().to_vec(),
+            grids: space.mesh().grids().to_vec(),
+            splits: space.mesh().splits().to_vec(),
+            caps: *caps,
+            radii: space.caps().caps().iter().map(|cap| cap.radius).collect(),
+            control: self
+                .spline()
+                .control()
+                .iter()
+                .map(|c| [c.x, c.y, c.z])
+                .collect(),
+        }
+    }
+
+    /// Returns the surface of numbers over its mesh: the same bits as before.
+    ///
+    /// # Errors
+    /// Numbers that are no surface over this mesh.
+    pub fn from_parts(mesh: TriangleMesh, parts: &SurfaceParts) -> Result<Self, PartsError> {
+        check_finite(parts)?;
+        let vertices = mesh.vertex_count();
+        check_count("origins", parts.origins.len(), vertices)?;
+        check_count("shifts", parts.shifts.len(), vertices)?;
+        let given = PeriodicForm {
+            mesh,
+            form: parts.form.clone(),
+            ends: parts.ends.clone(),
+        };
+        let domain = Domain::of_form(&given, &parts.snap)?.with_origins(parts.origins.clone());
+        let mut tmesh = TMesh::build(&Arc::new(domain.complex().clone()), &parts.grids)?;
+        for (index, &(leaf, axis)) in parts.splits.iter().enumerate() {
+            if leaf as usize >= tmesh.leaves().len() || !tmesh.split(leaf, axis) {
+                return Err(PartsError::Split { index, leaf });
+            }
+        }
+        let mut caps = Caps::build(domain.complex(), &parts.caps)?;
+        check_count("radii", parts.radii.len(), caps.caps().len())?;
+        for (cap, &radius) in (0..).zip(&parts.radii) {
+            caps.set_radius(cap, radius);
+        }
+        let space = Arc::new(TSplineSpace::with_caps(tmesh, caps));
+        check_count("control vectors", parts.control.len(), space.unknowns())?;
+        let control = parts.control.iter().map(|&c| Vector3::from(c)).collect();
+        Ok(Self::new(
+            domain,
+            parts.shifts.clone(),
+            TSpline::new(space, control),
+        ))
+    }
+}
+
+fn check_count(what: &'static str, given: usize, needed: usize) -> Result<(), PartsError> {
+    if given == needed {
+        return Ok(());
+    }
+    Err(PartsError::Count {
+        what,
+        given,
+        needed,
+    })
+}
+
+fn check_finite(parts: &SurfaceParts) -> Result<(), PartsError> {
+    let finite = |x: &f64| x.is_finite();
+    let bad = [
+        (
+            "form",
+            parts.form.iter().position(|v| !v.iter().all(finite)),
+        ),
+        (
+            "shifts",
+            parts.shifts.iter().position(|v| !v.iter().all(finite)),
+        ),
+        (
+            "radii",
+            parts
+                .radii
+                .iter()
+                .position(|r| !(*r > 0.0 && r.is_finite())),
+        ),
+        (
+            "control vectors",
+            parts.control.iter().position(|v| !v.iter().all(finite)),
+        ),
+    ];
+    let found = bad
+        .into_iter()
+        .find_map(|(what, index)| Some((what, index?)));
+    found.map_or(Ok(()), |(what, index)| {
+        Err(PartsError::Number { what, index })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use msplines_common::evaluate::Order;
+    use msplines_common::mesh::shapes;
+    use msplines_common::progress::unobserved;
+
+    use super::*;
+    use crate::domain::DomainOptions;
+    use crate::fit::{FitOptions, Stop, fit};
+
+    fn surface(mesh: &TriangleMesh, poles: Vec<u32>) -> TSplineSurface {
+        let options = DomainOptions {
+            poles,
+            ..DomainOptions::default()
+        };
+        let domain = Domain::of_surface(mesh, &options, &mut unobserved()).expect("a domain");
+        let options = FitOptions {
+            stop: Stop::ControlPoints(400),
+            ..FitOptions::default()
+        };
+        let samples = TSplineSurface::samples(&domain);
+        let complex = Arc::new(domain.complex().clone());
+        let fit = fit(&complex, &samples, &options, &mut unobserved()).expect("a surface");
+        let shifts = fit.samples.iter().map(|s| s.shift).collect();
+        TSplineSurface::new(domain, shifts, fit.spline)
+    }
+
+    #[test]
+    fn numbers_give_the_same_surface_to_the_bit() {
+        let sphere = shapes::sphere(900);
+        for (mesh, poles) in [
+            (shapes::genus(2, 2000), Vec::new()),
+            (sphere.clone(), vec![0, 400]),
+        ] {
+            let given = surface(&mesh, poles);
+            let parts = given.parts(&CapOptions::default());
+            let own = given.domain().mesh().clone();
+            let read = TSplineSurface::from_parts(own, &parts).expect("a surface");
+            assert_eq!(read.vertices(), given.vertices());
+            assert_eq!(read.spline(), given.spline());
+            assert_eq!(read.parts(&CapOptions::default()), parts);
+        }
+    }
+
+    #[test]
+    fn surfaces_close_at_their_poles() {
+        let mesh = shapes::sphere(900);
+        let surface = surface(&mesh, vec![0, 400]);
+        let shown = surface.tessellate(3).expect("triangles");
+        let closed = TriangleMesh::build(shown.positions.clone(), shown.faces).expect("a mesh");
+        assert_eq!(closed.topology().boundary_loops().len(), 0);
+        // Thirds of edges of the mesh, around poles too.
+        let longest = |mesh: &TriangleMesh| {
+            let at = |face: &[u32; 3], i: usize| mesh.positions()[face[i % 3] as usize];
+            let sides = mesh
+                .faces()
+                .iter()
+                .flat_map(|face| [0, 1, 2].map(|i| (at(face, i) - at(face, i + 1)).norm()));
+            sides.fold(0.0, f64::max)
+        };
+        assert!(longest(&closed) < longest(&mesh), "a spike");
+        let poles = surface.domain().poles();
+        let centres = surface.domain().mesh().vertex_count()..;
+        for (pole, centre) in poles.iter().zip(centres) {
+            let there = surface
+                .spline()
+                .evaluate(&[pole.at], Order::Value)
+                .positions[0];
+            assert_eq!(there, shown.positions[centre]);
+            // The radius is 1: the polynomial of the cap goes on over the star that was removed.
+            assert!((there.coords.norm() - 1.0).abs() < 0.01, "{there}");
+        }
+    }
+
+    #[test]
+    fn damaged_numbers_are_refused_by_name() {
+        let mesh = shapes::torus(1.0, 0.4, 900);
+        let given = surface(&mesh, Vec::new());
+        let parts = given.parts(&CapOptions::default());
+        let refusal = |change: &dyn Fn(&mut SurfaceParts)| {
+            let mut damaged = parts.clone();
+            change(&mut damaged);
+            let error = TSplineSurface::from_parts(mesh.clone(), &damaged);
+            error.expect_err("damaged numbers").to_string()
+        };
+        let control = refusal(&|p| {
+            p.control.pop();
+        });
+        assert!(control.contains("control vectors where"), "{control}");
+        let leaf = refusal(&|p| p.splits.push((90_000, Axis::X)));
+        assert!(leaf.contains("leaf 90000"), "{leaf}");
+        let number = refusal(&|p| p.shifts[7][1] = f64::NAN);
+        assert!(number.contains("number 7 of the shifts"), "{number}");
+        let form = refusal(&|p| p.form[3][1] += 0.25);
+        assert!(form.contains("whole periods"), "{form}");
+    }
+}
