@@ -11,7 +11,7 @@
 //! integer class, the others the levels of the holes against the first one.
 //!
 //! # Reference
-//! [He2006] §5, cuts at extremities. Deviation: no double cover, and fluxes are chosen.
+//! [He2006] §3.2, cuts at extremities. Deviation: no double cover, and fluxes are chosen.
 
 mod basis;
 mod error;
@@ -98,7 +98,7 @@ impl Atlas {
     /// ordering and two factorisations of the Laplacian, and `2g + b - 1` solves with either.
     ///
     /// # Reference
-    /// [He2006] §5.
+    /// [He2006] §3.2.
     ///
     /// # Errors
     /// Stars that cannot be removed, fewer than two holes, classes and fluxes that mean nothing, a mesh
