@@ -1,7 +1,5 @@
 //! Why a surface has no T-spline, and which exit code says so.
 
-use std::path::PathBuf;
-
 use msplines_common::mesh::TopologyError;
 use msplines_t_spline::FitError;
 use msplines_t_spline::domain::DomainError;
@@ -45,14 +43,6 @@ pub enum TSplineError {
         /// What to do.
         remedy: &'static str,
     },
-    /// A format that these splines are not written in.
-    #[error(
-        "{}: a T-spline is written as .json (the spline), .ply, .obj or .glb (the surface) or .npy (its points); give one of them", path.display()
-    )]
-    Output {
-        /// The output.
-        path: PathBuf,
-    },
     /// Too few or too many segments.
     #[error("--tessellate {segments}: give a number from 1 to 64")]
     Segments {
@@ -72,7 +62,6 @@ impl TSplineError {
             | Self::Tolerance { .. }
             | Self::NoSuchVertex { .. }
             | Self::FitOnly { .. }
-            | Self::Output { .. }
             | Self::Segments { .. } => exit::USAGE,
             Self::Fit(FitError::NotFinite { .. }) => exit::INPUT,
             Self::Domain(_) | Self::Fit(_) | Self::Poles(_) => exit::METHOD,

@@ -5,13 +5,20 @@ use std::path::{Path, PathBuf};
 use msplines_common::Point3;
 use msplines_common::evaluate::Order;
 use msplines_common::mesh::TriangleMesh;
-use msplines_io::{Surface, write_atomically, write_surface};
+use msplines_io::{Surface, write_atomically, write_cells, write_step, write_surface};
 use msplines_t_spline::TSplineSurface;
+use msplines_t_spline::cells::{CellError, CellOptions, Patchwork};
 
 use super::{MOST_SEGMENTS, coordinates, tessellation};
 use crate::error::{RunError, TSplineError};
-use crate::output::{check_outputs, extension, is_array, write_array};
+use crate::output::{check_folder, check_outputs, extension, is_array, write_array};
 use crate::spline_file::SplineFile;
+
+/// How far cells of caps may be from the surface, over the diagonal, and their degree: all other cells
+/// are exact.
+const CELLS: (f64, u8) = (1e-6, 7);
+/// The same for shells, which geometric kernels read faster the fewer faces they have.
+const SHELL: (f64, u8) = (1e-5, 5);
 
 /// What can be written.
 pub(super) struct Written<'a> {
@@ -30,11 +37,24 @@ pub(super) fn check(outputs: &[PathBuf], segments: Option<u32>) -> Result<(), Ru
     if let Some(segments) = segments.filter(|n| !(1..=MOST_SEGMENTS).contains(n)) {
         return Err(TSplineError::Segments { segments }.into());
     }
-    let cells = |path: &&PathBuf| ["vtu", "step", "stp"].contains(&extension(path).as_str());
-    if let Some(path) = outputs.iter().find(cells) {
-        return Err(TSplineError::Output { path: path.clone() }.into());
-    }
-    check_outputs(outputs)
+    let (shells, others): (Vec<_>, Vec<_>) = outputs.iter().cloned().partition(|p| is_shell(p));
+    shells.iter().try_for_each(|path| check_folder(path))?;
+    check_outputs(&others)
+}
+
+fn is_shell(path: &Path) -> bool {
+    ["step", "stp"].contains(&extension(path).as_str())
+}
+
+/// Returns the patches of a surface, those of caps within a share of its diagonal.
+fn patchwork(
+    surface: &TSplineSurface,
+    (share, degree): (f64, u8),
+) -> Result<Patchwork, CellError> {
+    let [low, high] = surface.domain().mesh().bounding_box();
+    let tolerance = share * (high - low).norm();
+    let options = CellOptions { tolerance, degree };
+    surface.spline().patchwork(&options)
 }
 
 /// The surface at the vertices of the input.
@@ -72,8 +92,8 @@ impl AtVertices {
     }
 }
 
-/// Writes a surface to every output: a tessellation, points at the vertices of the input, or the spline
-/// itself.
+/// Writes a surface to every output: Bézier cells, a shell of patches, a tessellation, points at the
+/// vertices of the input, or the spline itself.
 pub(super) fn write(outputs: &[PathBuf], written: &Written<'_>) -> Result<(), RunError> {
     outputs.iter().try_for_each(|path| write_one(path, written))
 }
@@ -91,13 +111,24 @@ fn write_one(path: &Path, written: &Written<'_>) -> Result<(), RunError> {
         };
         write_surface(path, &surface)
     };
+    let refused = |reason: String| RunError::Write {
+        path: path.to_owned(),
+        reason,
+    };
     match (extension(path).as_str(), written.segments) {
+        ("vtu", _) => {
+            let patches = patchwork(written.surface, CELLS);
+            let cells = patches.and_then(|p| p.cells());
+            write_cells(path, &cells.map_err(|e| refused(e.to_string()))?, &[], &[])
+        }
+        ("step" | "stp", _) => {
+            let patches = patchwork(written.surface, SHELL);
+            let shell = patches.and_then(|p| p.shell());
+            write_step(path, &shell.map_err(|e| refused(e.to_string()))?)
+        }
         ("json", _) => write_atomically(path, |out| written.file.write(out)),
         (_, None) => faces_of(mesh),
         (_, Some(segments)) => faces_of(&tessellation(written.surface, segments)?),
     }
-    .map_err(|error| RunError::Write {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    })
+    .map_err(|error| refused(error.to_string()))
 }
