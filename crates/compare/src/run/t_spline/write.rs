@@ -47,10 +47,7 @@ fn is_shell(path: &Path) -> bool {
 }
 
 /// Returns the patches of a surface, those of caps within a share of its diagonal.
-fn patchwork(
-    surface: &TSplineSurface,
-    (share, degree): (f64, u8),
-) -> Result<Patchwork, CellError> {
+fn patchwork(surface: &TSplineSurface, (share, degree): (f64, u8)) -> Result<Patchwork, CellError> {
     let [low, high] = surface.domain().mesh().bounding_box();
     let tolerance = share * (high - low).norm();
     let options = CellOptions { tolerance, degree };
