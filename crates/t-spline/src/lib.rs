@@ -18,6 +18,7 @@ pub mod options;
 pub mod parts;
 #[cfg(test)]
 mod samples;
+mod sampling;
 pub mod space;
 pub mod spline;
 pub mod support;

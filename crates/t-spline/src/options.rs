@@ -32,6 +32,22 @@ pub enum Correction {
     },
 }
 
+/// How the systems of a fit are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Solver {
+    /// By a sparse Cholesky factorisation.
+    #[default]
+    Factorisation,
+    /// By conjugate gradients on the system scaled to a diagonal of ones, as the paper does.
+    ConjugateGradients {
+        /// Residual over right-hand side at which it is solved.
+        tolerance: f64,
+        /// Most steps.
+        steps: u32,
+    },
+}
+
 /// How a fit refines.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -57,6 +73,8 @@ pub struct FitOptions {
     pub stop: Stop,
     /// Weight of the thin plate, relative to that of the samples.
     pub fairness: f64,
+    /// How to solve.
+    pub solver: Solver,
     /// Whether samples move.
     pub correction: Correction,
     /// How to refine.
@@ -92,6 +110,7 @@ impl Default for FitOptions {
         Self {
             stop: Stop::ControlPoints(2000),
             fairness: 1e-7,
+            solver: Solver::default(),
             correction: Correction::default(),
             refinement: Refinement::default(),
             caps: CapOptions::default(),

@@ -16,6 +16,18 @@ pub enum FitError {
         /// The sample.
         sample: usize,
     },
+    /// A sample on no cylinder of the complex.
+    #[error(
+        "sample {sample} lies on cylinder {cylinder}, but there are {cylinders}, counted from 0"
+    )]
+    NoCylinder {
+        /// The sample.
+        sample: usize,
+        /// Its cylinder.
+        cylinder: u32,
+        /// How many there are.
+        cylinders: usize,
+    },
     /// Fewer control points than the coarsest T-mesh has.
     #[error(
         "{given} control points are fewer than the coarsest T-mesh of this surface has; allow at least {least}"

@@ -2,7 +2,8 @@
 //!
 //! Every round solves one least-squares system for all control points and coefficients of caps, moves the
 //! samples towards the nearest points of the surface, and splits the leaves with the largest sums of
-//! squared errors. The last round splits just as many as the budget allows.
+//! errors to a power. The last split takes just as many leaves as the budget allows; the samples of the
+//! surface after it move some more.
 //!
 //! # Reference
 //! [He2006] §3.3. Deviations: the paper splits every leaf with an error above the tolerance, which costs
@@ -11,11 +12,14 @@
 mod correction;
 mod error;
 mod marking;
+mod refine;
 mod samples;
 mod system;
+mod task;
 #[cfg(test)]
 mod tests;
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use msplines_common::Vector3;
@@ -23,26 +27,20 @@ use msplines_common::evaluate::Order;
 use msplines_common::progress::{Observer, Outcome, Progress};
 use serde::{Deserialize, Serialize};
 
-pub use crate::options::{Correction, FitOptions, Refinement, Stop};
+pub use crate::options::{Correction, FitOptions, Refinement, Solver, Stop};
 pub use error::FitError;
 pub use samples::Sample;
 
-use crate::caps::{CapKind, Caps};
 use crate::complex::CylinderComplex;
 use crate::space::{Rows, TSplineSpace};
 use crate::spline::{SurfaceSamples, TSpline};
-use crate::tmesh::{Grid, TMesh};
+use crate::tmesh::TMesh;
 use samples::Sorted;
 use system::System;
 
-/// Rounds after which no fit goes on.
-const MOST_ROUNDS: u32 = 200;
-
-/// How many times more than elsewhere errors in a cap may be, as roots of mean squares.
-const WORSE_CAP: f64 = 1.5;
-/// Samples that a cap keeps at least, and the share of its largest radius.
-const FEWEST: usize = 40;
-const NARROWEST: f64 = 0.3;
+/// A tolerance that the largest error exceeds by less than this is tried for by moving samples before
+/// more leaves are split.
+const WITHIN_REACH: f64 = 1.2;
 
 /// A surface and how it was found.
 #[derive(Clone, Debug)]
@@ -78,8 +76,8 @@ pub struct Errors {
 /// How a fit ended.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FitReport {
-    /// `Converged` at the budget or within the tolerance; `Stalled` if no leaf can be split any more;
-    /// `Stopped` if the observer broke off.
+    /// `Converged` at the budget or within the tolerance; `Stalled` if none of the worst leaves can be
+    /// split any more; `Stopped` if the observer broke off.
     pub outcome: Outcome,
     /// Rounds.
     pub rounds: u32,
@@ -106,10 +104,10 @@ pub fn fit(
     options: &FitOptions,
     observer: &mut Observer<'_>,
 ) -> Result<Fit, FitError> {
-    check(samples, options)?;
-    let grids = grids(complex, samples, options.refinement.start);
+    task::check(complex, samples, options)?;
+    let grids = task::grids(complex, samples, options.refinement.start);
     let mesh = TMesh::build(complex, &grids)?;
-    let centre = centre(samples);
+    let centre = task::centre(samples);
     let centred: Vec<Sample> = samples
         .iter()
         .map(|s| Sample {
@@ -155,9 +153,7 @@ impl<'a> State<'a> {
 
     fn run(&mut self, observer: &mut Observer<'_>) -> Result<Outcome, FitError> {
         loop {
-            let done = self.round(observer)?;
-            self.rounds += 1;
-            if let Some(outcome) = done {
+            if let Some(outcome) = self.round(observer)? {
                 return Ok(outcome);
             }
         }
@@ -166,65 +162,99 @@ impl<'a> State<'a> {
     /// One round; how the fit ended, if it did.
     fn round(&mut self, observer: &mut Observer<'_>) -> Result<Option<Outcome>, FitError> {
         let mut system = self.solve(None)?;
-        let unknowns = self.spline.space().unknowns();
-        let full = match self.options.stop {
-            Stop::ControlPoints(most) => self.next(most).is_none(),
-            Stop::Tolerance(_) => false,
-        };
-        for _ in 0..self.steps(unknowns, full) {
-            correction::correct(&self.spline, &mut self.sorted, &self.rows);
-            self.sorted.sort(self.spline.space().mesh());
-            system = self.solve(Some(system))?;
+        for _ in 0..self.steps() {
+            system = self.correct(system)?;
         }
-        let errors = self.errors();
+        self.rounds += 1;
+        let mut stopped = self.tell(observer).is_break();
+        if !stopped && !self.is_within(1.0) && self.is_within(WITHIN_REACH) {
+            (system, stopped) = self.polish(system, observer)?;
+        }
+        let next = if stopped {
+            Err(Outcome::Stopped)
+        } else {
+            self.next()
+        };
+        if matches!(next, Err(outcome) if outcome != Outcome::Stopped) && !self.is_within(1.0) {
+            (_, stopped) = self.polish(system, observer)?;
+        }
         self.levels.push(Level {
             spline: self.spline.clone(),
-            errors,
+            errors: self.errors(),
         });
+        match next {
+            _ if stopped => Ok(Some(Outcome::Stopped)),
+            Err(_) if self.is_within(1.0) => Ok(Some(Outcome::Converged)),
+            Err(outcome) => Ok(Some(outcome)),
+            Ok(space) => {
+                self.sorted.sort(space.mesh());
+                let control = vec![Vector3::zeros(); space.unknowns()];
+                self.spline = TSpline::new(Arc::new(space), control);
+                Ok(None)
+            }
+        }
+    }
+
+    /// Steps of correction between two refinements.
+    fn steps(&self) -> u32 {
+        let Correction::On { steps, from, .. } = self.options.correction else {
+            return 0;
+        };
+        let begun = match self.options.stop {
+            Stop::ControlPoints(most) => {
+                self.spline.space().unknowns() as f64 >= from * most as f64
+            }
+            Stop::Tolerance(_) => self.rounds > 0,
+        };
+        if begun { steps } else { 0 }
+    }
+
+    /// Moves the samples once and fits the control points to them.
+    fn correct(&mut self, system: System) -> Result<System, FitError> {
+        correction::correct(&self.spline, &mut self.sorted, &self.rows);
+        self.sorted.sort(self.spline.space().mesh());
+        self.solve(Some(system))
+    }
+
+    /// Moves the samples of a surface that is not refined, or need not be, until it is within the
+    /// tolerance; whether the observer broke off.
+    fn polish(
+        &mut self,
+        mut system: System,
+        observer: &mut Observer<'_>,
+    ) -> Result<(System, bool), FitError> {
+        let steps = match self.options.correction {
+            Correction::On { last, .. } => last,
+            Correction::Off => 0,
+        };
+        for _ in 0..steps {
+            system = self.correct(system)?;
+            if self.is_within(1.0) {
+                break;
+            }
+            if self.tell(observer).is_break() {
+                return Ok((system, true));
+            }
+        }
+        Ok((system, false))
+    }
+
+    /// Whether there is a tolerance, and no error is larger than so many times it.
+    fn is_within(&self, times: f64) -> bool {
+        match self.options.stop {
+            Stop::Tolerance(length) => self.errors().max <= times * length,
+            Stop::ControlPoints(_) => false,
+        }
+    }
+
+    fn tell(&self, observer: &mut Observer<'_>) -> ControlFlow<()> {
         let total = match self.options.stop {
             Stop::ControlPoints(most) => most,
             Stop::Tolerance(_) => 0,
         };
-        let step = Progress::new("fit", unknowns as u64, total as u64).with_objective(errors.rms);
-        if observer(&step).is_break() {
-            return Ok(Some(Outcome::Stopped));
-        }
-        let most = match self.options.stop {
-            _ if full => return Ok(Some(Outcome::Converged)),
-            Stop::Tolerance(length) if errors.max <= length => return Ok(Some(Outcome::Converged)),
-            Stop::Tolerance(_) => usize::MAX,
-            Stop::ControlPoints(most) => most,
-        };
-        if self.rounds + 1 >= MOST_ROUNDS {
-            return Ok(Some(Outcome::MaxIterations));
-        }
-        let Some(space) = self.next(most) else {
-            let full = matches!(self.options.stop, Stop::ControlPoints(_));
-            return Ok(Some(if full {
-                Outcome::Converged
-            } else {
-                Outcome::Stalled
-            }));
-        };
-        self.sorted.sort(space.mesh());
-        let control = vec![Vector3::zeros(); space.unknowns()];
-        self.spline = TSpline::new(Arc::new(space), control);
-        Ok(None)
-    }
-
-    fn steps(&self, unknowns: usize, full: bool) -> u32 {
-        let Correction::On { steps, from, last } = self.options.correction else {
-            return 0;
-        };
-        let begun = match self.options.stop {
-            Stop::ControlPoints(most) => unknowns as f64 >= from * most as f64,
-            Stop::Tolerance(_) => self.rounds > 0,
-        };
-        match (full, begun) {
-            (true, _) => last,
-            (false, true) => steps,
-            (false, false) => 0,
-        }
+        let unknowns = self.spline.space().unknowns();
+        let step = Progress::new("fit", unknowns as u64, total as u64);
+        observer(&step.with_objective(self.errors().rms))
     }
 
     /// Fits the control points to the samples where they are.
@@ -236,7 +266,7 @@ impl<'a> State<'a> {
             System::build(&space, &self.sorted, &self.rows, self.options.fairness)
         });
         let control = system
-            .solve(&self.sorted, &self.rows)
+            .solve(&self.sorted, &self.rows, self.options.solver)
             .map_err(|reason| FitError::Solve {
                 unknowns: space.unknowns(),
                 reason: reason.to_string(),
@@ -270,70 +300,6 @@ impl<'a> State<'a> {
             rms: (sum / count.max(1) as f64).sqrt(),
             max,
         }
-    }
-
-    /// Returns the next finer space of at most so many unknowns; none if there is none.
-    fn next(&self, most: usize) -> Option<TSplineSpace> {
-        let refinement = &self.options.refinement;
-        let own = self.spline.space();
-        let distances = self.distances();
-        let ranked = marking::ranked(&self.spline, &self.sorted, &distances, refinement.exponent);
-        let wanted = (refinement.share * own.mesh().leaves().len() as f64).ceil() as usize;
-        let marked = marking::directed(
-            &self.spline,
-            &ranked[..wanted.min(ranked.len())],
-            refinement,
-        );
-        let caps = match self.options.stop {
-            // Of a coarse surface the caps are the worst part.
-            Stop::ControlPoints(most) if 2 * own.unknowns() < most => own.caps().clone(),
-            _ => self.narrowed(&distances),
-        };
-        let refined = |count: usize| {
-            let mut mesh = own.mesh().clone();
-            let more = mesh.refine(&marked[..count], &refinement.grading);
-            (more > 0).then(|| TSplineSpace::with_caps(mesh, caps.clone()))
-        };
-        let fits = |space: &TSplineSpace| space.unknowns() <= most;
-        if let Some(space) = refined(marked.len()).filter(fits) {
-            return Some(space);
-        }
-        // As many of them as may be: the number of unknowns grows with every split.
-        let (mut low, mut high) = (0, marked.len());
-        let mut best = None;
-        while high - low > 1 {
-            let middle = low.midpoint(high);
-            match refined(middle).filter(fits) {
-                Some(space) => (low, best) = (middle, Some(space)),
-                None => high = middle,
-            }
-        }
-        best
-    }
-
-    /// Returns the caps, those of zeros narrower where a polynomial is further from the samples than the
-    /// surface elsewhere.
-    fn narrowed(&self, distances: &[f64]) -> Caps {
-        let mut caps = self.spline.space().caps().clone();
-        let (mut sums, mut counts) = (
-            vec![0.0; caps.caps().len() + 1],
-            vec![0_usize; caps.caps().len() + 1],
-        );
-        for (sample, distance) in self.sorted.samples.iter().zip(distances) {
-            let place = caps.at(sample.at).map_or(0, |cap| 1 + cap.cap as usize);
-            sums[place] += distance * distance;
-            counts[place] += 1;
-        }
-        let mean = |place: usize| sums[place] / counts[place].max(1) as f64;
-        let most = (WORSE_CAP * WORSE_CAP) * mean(0);
-        for index in 0..caps.caps().len() {
-            let cap = caps.caps()[index];
-            let narrow = matches!(cap.kind, CapKind::Zero { .. }) && mean(index + 1) > most;
-            if narrow && counts[index + 1] > FEWEST && cap.radius > NARROWEST * cap.limit {
-                caps.set_radius(index as u32, 0.75 * cap.radius);
-            }
-        }
-        caps
     }
 
     fn finish(self, outcome: Outcome, errors: Errors, centre: Vector3<f64>) -> Fit {
@@ -373,84 +339,4 @@ fn translated(spline: &TSpline, by: Vector3<f64>) -> TSpline {
         control[functions + cap.offset as usize] += by;
     }
     TSpline::new(Arc::clone(space), control)
-}
-
-/// Returns a base grid for every cylinder, with as many faces as its share of the samples asks for.
-fn grids(complex: &CylinderComplex, samples: &[Sample], cells: usize) -> Vec<Grid> {
-    let mut shares = vec![0.0; complex.cylinders().len()];
-    samples
-        .iter()
-        .for_each(|s| shares[s.at.cylinder as usize] += s.weight);
-    let total: f64 = shares.iter().sum();
-    let cylinders = complex.cylinders().iter().zip(&shares);
-    cylinders
-        .map(|(cylinder, share)| {
-            let mut grid = Grid::of_cells(cylinder, (cells as f64 * share / total).max(1.0), 1.0);
-            grid.columns = grid.columns.max(LEAST_COLUMNS);
-            grid
-        })
-        .collect()
-}
-
-/// Columns that a support needs not to meet itself.
-const LEAST_COLUMNS: usize = 4;
-
-fn centre(samples: &[Sample]) -> Vector3<f64> {
-    let sum: Vector3<f64> = samples.iter().map(|s| s.position.coords).sum();
-    sum / samples.len() as f64
-}
-
-fn check(samples: &[Sample], options: &FitOptions) -> Result<(), FitError> {
-    if samples.is_empty() {
-        return Err(FitError::NoSamples);
-    }
-    let bad = |s: &Sample| {
-        let numbers = [
-            s.at.x,
-            s.at.y,
-            s.position.x,
-            s.position.y,
-            s.position.z,
-            s.weight,
-        ];
-        numbers.iter().any(|n| !n.is_finite()) || s.weight < 0.0
-    };
-    if let Some(sample) = samples.iter().position(bad) {
-        return Err(FitError::NotFinite { sample });
-    }
-    if let Stop::Tolerance(given) = options.stop
-        && !(given > 0.0 && given.is_finite())
-    {
-        return Err(FitError::Tolerance { given });
-    }
-    let Refinement {
-        share,
-        exponent,
-        ratio,
-        ..
-    } = options.refinement;
-    let ranges = [
-        ("share", share, "in (0, 1]", share > 0.0 && share <= 1.0),
-        (
-            "exponent",
-            exponent,
-            "positive",
-            exponent > 0.0 && exponent.is_finite(),
-        ),
-        ("ratio", ratio, "1 or more", ratio >= 1.0),
-        (
-            "fairness",
-            options.fairness,
-            "0 or more",
-            options.fairness >= 0.0 && options.fairness.is_finite(),
-        ),
-    ];
-    let wrong = ranges.into_iter().find(|(.., good)| !good);
-    wrong.map_or(Ok(()), |(option, given, range, _)| {
-        Err(FitError::Option {
-            option,
-            range,
-            given,
-        })
-    })
 }

@@ -86,6 +86,11 @@ impl Sorted {
         self.starts = starts;
     }
 
+    /// Returns the sum of all weights.
+    pub(super) fn weight(&self) -> f64 {
+        self.samples.iter().map(|s| s.weight).sum()
+    }
+
     pub(super) fn on(&self, leaf: usize) -> std::ops::Range<usize> {
         self.starts[leaf] as usize..self.starts[leaf + 1] as usize
     }

@@ -16,12 +16,14 @@
 use msplines_common::Vector3;
 use msplines_common::evaluate::Order;
 use msplines_common::linalg::{
-    Cholesky, FactorError, Mat, Ordering, OrderingError, Symbolic, SymmetricMatrix,
+    CgTolerance, Cholesky, FactorError, Mat, Ordering, OrderingError, Symbolic, SymmetricMatrix,
+    conjugate_gradient,
 };
 use rayon::prelude::*;
 
 use super::samples::Sorted;
 use crate::complex::{Point, UNITS};
+use crate::options::Solver;
 use crate::space::{Row, Rows, TSplineSpace};
 
 /// What is added to the scaled diagonal, all ones: enough to make functions that nothing holds zero.
@@ -93,7 +95,7 @@ impl System {
         system.add_plates(
             &gauss,
             &plates,
-            fairness * sorted.samples.len() as f64 / leaves as f64,
+            fairness * sorted.weight() / leaves as f64,
         );
         system
     }
@@ -128,6 +130,7 @@ impl System {
         &mut self,
         sorted: &Sorted,
         rows: &Rows,
+        solver: Solver,
     ) -> Result<Vec<Vector3<f64>>, SolveError> {
         let locals: Vec<Local> = (0..self.unknowns.len())
             .into_par_iter()
@@ -151,10 +154,22 @@ impl System {
         let values = self.matrix.values_mut();
         values.copy_from_slice(self.fair.values());
         scatter(values, &self.places, &locals);
-        self.solve_scaled(&right)
+        let scales = self.scale();
+        let mut x = Mat::from_fn(right.len(), 3, |i, c| scales[i] * right[i][c]);
+        match solver {
+            Solver::Factorisation => self.factored()?.solve_in_place(x.as_mut()),
+            Solver::ConjugateGradients { tolerance, steps } => {
+                x = self.iterated(&x, tolerance, steps)?;
+            }
+        }
+        let scaled = scales.iter().enumerate();
+        Ok(scaled
+            .map(|(i, s)| Vector3::from_fn(|c, _| s * x[(i, c)]))
+            .collect())
     }
 
-    fn solve_scaled(&mut self, right: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, SolveError> {
+    /// Scales the matrix to a diagonal of ones and adds the ridge; returns the scales.
+    fn scale(&mut self) -> Vec<f64> {
         let scales: Vec<f64> = self
             .matrix
             .diagonal()
@@ -164,7 +179,7 @@ impl System {
         let starts = self.matrix.starts().to_vec();
         let rows = self.matrix.rows().to_vec();
         let values = self.matrix.values_mut();
-        for column in 0..right.len() {
+        for column in 0..scales.len() {
             for at in starts[column]..starts[column + 1] {
                 values[at] *= scales[column] * scales[rows[at] as usize];
                 if rows[at] as usize == column {
@@ -172,28 +187,59 @@ impl System {
                 }
             }
         }
-        match &mut self.factor {
-            Some(factor) => factor.refactor(&self.matrix)?,
+        scales
+    }
+
+    fn factored(&mut self) -> Result<&Cholesky, SolveError> {
+        let factor = match self.factor.take() {
+            Some(mut factor) => {
+                factor.refactor(&self.matrix)?;
+                factor
+            }
             None => {
                 let ordering = Ordering::nested_dissection(&self.matrix)?;
                 let symbolic = Symbolic::analyze(&self.matrix, &ordering);
-                self.factor = Some(Cholesky::factor(symbolic, &self.matrix)?);
+                Cholesky::factor(symbolic, &self.matrix)?
             }
+        };
+        Ok(self.factor.insert(factor))
+    }
+
+    fn iterated(
+        &self,
+        right: &Mat<f64>,
+        tolerance: f64,
+        steps: u32,
+    ) -> Result<Mat<f64>, SolveError> {
+        let mut x = Mat::zeros(right.nrows(), right.ncols());
+        let report = conjugate_gradient(
+            |x| self.matrix.multiply(x),
+            |x| x.to_owned(),
+            |_| {},
+            right.as_ref(),
+            &mut x,
+            CgTolerance::Relative(tolerance),
+            steps,
+        );
+        if report.converged {
+            Ok(x)
+        } else {
+            Err(SolveError::Steps {
+                steps,
+                residual: report.residual,
+            })
         }
-        let mut x = Mat::from_fn(right.len(), 3, |i, c| scales[i] * right[i][c]);
-        if let Some(factor) = &self.factor {
-            factor.solve_in_place(x.as_mut());
-        }
-        let scaled = scales.iter().enumerate();
-        Ok(scaled
-            .map(|(i, s)| Vector3::from_fn(|c, _| s * x[(i, c)]))
-            .collect())
     }
 }
 
 /// Why a system has no solution.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum SolveError {
+    #[error(
+        "after {steps} steps of conjugate gradients the residual is still {residual:.1e} of the right-hand side; \
+         allow more steps or a larger residual, or factor the system"
+    )]
+    Steps { steps: u32, residual: f64 },
     #[error(transparent)]
     Factor(#[from] FactorError),
     #[error(transparent)]
