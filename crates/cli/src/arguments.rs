@@ -13,7 +13,7 @@ use msplines_compare::case::{Amount, Knots};
 pub(crate) use conformal::Conformal;
 pub(crate) use powell_sabin::{Fill, PowellSabin, Reshape, Weights};
 pub(crate) use solid::{Deform, Map, SolidFit, Trivariate};
-pub(crate) use t_spline::{TSpline, Toggle};
+pub(crate) use t_spline::{Solver, TSpline, Toggle};
 
 /// Splines on triangle meshes of any shape.
 ///

@@ -1,11 +1,18 @@
 //! `msplines fit t-spline`.
 
-use msplines_compare::case::{Case, DomainStorage, Input, Method, TSplineMethod};
+use msplines_compare::case::{Case, DomainStorage, FaceSamples, Input, Method, TSplineMethod};
 use msplines_t_spline::fit::Correction;
 use msplines_t_spline::{FitOptions, Stop};
 
-use crate::arguments::{TSpline, Toggle};
+use crate::arguments::{Solver, TSpline, Toggle};
 use crate::session::Session;
+
+/// Conjugate gradients as they are asked for by name.
+const ITERATED: msplines_t_spline::fit::Solver =
+    msplines_t_spline::fit::Solver::ConjugateGradients {
+        tolerance: 1e-8,
+        steps: 20_000,
+    };
 
 /// Returns the run that the arguments ask for.
 pub(crate) fn case(arguments: &TSpline, session: &Session) -> Case {
@@ -29,7 +36,14 @@ pub(crate) fn case(arguments: &TSpline, session: &Session) -> Case {
                 Toggle::On => Correction::default(),
                 Toggle::Off => Correction::Off,
             },
+            solver: match arguments.solver {
+                Solver::Factorisation => msplines_t_spline::fit::Solver::Factorisation,
+                Solver::ConjugateGradients => ITERATED,
+            },
             ..defaults
+        },
+        face_samples: FaceSamples {
+            per_control_point: arguments.face_samples,
         },
         tessellate: arguments.tessellate,
         ..TSplineMethod::default()

@@ -16,6 +16,7 @@ use rayon::prelude::*;
 
 use crate::domain::Domain;
 use crate::fit::Sample;
+use crate::surface::TSplineSurface;
 
 /// Sides longer than this many spacings have points between their ends.
 const LONG: f64 = 1.5;
@@ -23,13 +24,13 @@ const LONG: f64 = 1.5;
 /// Most points along the side of a face.
 const MOST: f64 = 32.0;
 
-impl Domain {
-    /// Returns points inside of faces of [`Self::mesh`] that are too large for `wanted` samples to be as
+impl TSplineSurface {
+    /// Returns points inside of faces of [`Domain::mesh`] that are too large for `wanted` samples to be as
     /// dense everywhere, put onto `surface`, of which edges may have been flipped. They weigh as much as
     /// the vertices of a part as large, and errors are not measured at them. O(n log n).
     #[must_use]
-    pub fn face_samples(&self, surface: &TriangleMesh, wanted: usize) -> Vec<Sample> {
-        let mesh = self.mesh();
+    pub fn face_samples(domain: &Domain, surface: &TriangleMesh, wanted: usize) -> Vec<Sample> {
+        let mesh = domain.mesh();
         let areas: Vec<f64> = (0..mesh.face_count() as u32)
             .map(|face| area_of(mesh, face))
             .collect();
@@ -53,7 +54,10 @@ impl Domain {
                 let sample = |point: SurfacePoint| Sample {
                     weight,
                     measured: false,
-                    ..Sample::vertex(self.place(&point), onto(surface, &tree, mesh.position(point)))
+                    ..Sample::vertex(
+                        domain.place(&point),
+                        onto(surface, &tree, mesh.position(point)),
+                    )
                 };
                 points.map(sample).collect()
             })
@@ -115,7 +119,7 @@ mod tests {
         let domain = Domain::of_surface(&mesh, &DomainOptions::default(), &mut unobserved());
         let domain = domain.expect("a domain");
         for wanted in [3_000, 10_000] {
-            let found = domain.face_samples(&mesh, wanted);
+            let found = TSplineSurface::face_samples(&domain, &mesh, wanted);
             let all = (found.len() + mesh.vertex_count()) as f64;
             assert!(
                 (0.4..=2.5).contains(&(all / wanted as f64)),
@@ -132,6 +136,6 @@ mod tests {
                 assert!(miss.abs() < 0.02, "{miss}");
             }
         }
-        assert!(domain.face_samples(&mesh, 0).len() < mesh.face_count() / 2);
+        assert!(TSplineSurface::face_samples(&domain, &mesh, 0).len() < mesh.face_count() / 2);
     }
 }

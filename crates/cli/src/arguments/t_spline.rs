@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use msplines_compare::case::Form;
+use msplines_compare::case::{FaceSamples, Form};
 
 /// `msplines fit t-spline`.
 #[derive(Debug, Args)]
@@ -32,6 +32,13 @@ pub(crate) struct TSpline {
     /// Weight of the thin plate, relative to that of the vertices.
     #[arg(long, value_name = "W", allow_hyphen_values = true)]
     pub(crate) fairness: Option<f64>,
+    /// Samples wanted per control point: faces too large for that are sampled inside, and 0 leaves it at
+    /// the vertices.
+    #[arg(long, value_name = "N", default_value_t = FaceSamples::default().per_control_point)]
+    pub(crate) face_samples: f64,
+    /// How the systems are solved: the paper iterates.
+    #[arg(long, value_enum, default_value_t = Solver::Factorisation)]
+    pub(crate) solver: Solver,
     /// The holomorphic form of a closed surface with handles, of integer periods.
     #[arg(long, value_name = "integer|integer:N,...", allow_hyphen_values = true)]
     pub(crate) form: Option<Form>,
@@ -54,6 +61,15 @@ pub(crate) enum Toggle {
     On,
     /// It is not.
     Off,
+}
+
+/// How a system of equations is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Solver {
+    /// By a sparse factorisation.
+    Factorisation,
+    /// By conjugate gradients.
+    ConjugateGradients,
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -19,7 +19,26 @@ pub struct TSplineMethod {
     pub snap: SnapOptions,
     /// The fit. A tolerance is a fraction of the longest side of the bounding box here.
     pub fit: FitOptions,
+    /// Samples inside of faces.
+    pub face_samples: FaceSamples,
     /// Segments along each side of a face in files of the surface; its points at the vertices of the
     /// input where absent.
     pub tessellate: Option<u32>,
+}
+
+/// How many samples a surface should have; faces too large for that are sampled inside.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FaceSamples {
+    /// Samples per control point of the budget; at least the vertices are taken, and with a tolerance
+    /// they set how dense samples are.
+    pub per_control_point: f64,
+}
+
+impl Default for FaceSamples {
+    fn default() -> Self {
+        Self {
+            per_control_point: 8.0,
+        }
+    }
 }

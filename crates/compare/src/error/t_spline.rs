@@ -24,6 +24,14 @@ pub enum TSplineError {
         /// What was asked for, as a fraction.
         given: f64,
     },
+    /// Samples per control point beyond what is of use.
+    #[error("--face-samples {given}: give 0 to {most} samples per control point")]
+    FaceSamples {
+        /// What was asked for.
+        given: f64,
+        /// The most there may be.
+        most: f64,
+    },
     /// A vertex that the input does not have.
     #[error("--puncture {vertex}: the mesh has {vertices} vertices, counted from 0")]
     NoSuchVertex {
@@ -59,6 +67,7 @@ impl TSplineError {
             Self::Fit(
                 FitError::Budget { .. } | FitError::Tolerance { .. } | FitError::Option { .. },
             )
+            | Self::FaceSamples { .. }
             | Self::Tolerance { .. }
             | Self::NoSuchVertex { .. }
             | Self::FitOnly { .. }

@@ -92,11 +92,7 @@ impl System {
             fair: empty,
             factor: None,
         };
-        system.add_plates(
-            &gauss,
-            &plates,
-            fairness * sorted.weight() / leaves as f64,
-        );
+        system.add_plates(&gauss, &plates, fairness * sorted.weight() / leaves as f64);
         system
     }
 

@@ -30,6 +30,8 @@ use write::{AtVertices, Written};
 
 pub(super) use evaluate::evaluate;
 
+/// Most samples per control point.
+const MOST_PER_CONTROL_POINT: f64 = 1000.0;
 /// Most segments along a side of a face.
 const MOST_SEGMENTS: u32 = 64;
 
@@ -139,10 +141,22 @@ fn fitted(
         movable: false,
         ..Sample::vertex(pole.at, input.mesh.positions()[pole.vertex as usize])
     }));
+    samples.extend(face_samples(domain, method, input));
     let complex = Arc::new(domain.complex().clone());
     let mut timed = following(&["fit"], clock, observer);
     let fit = msplines_t_spline::fit(&complex, &samples, &options, &mut timed);
     Ok(fit.map_err(TSplineError::from)?)
+}
+
+/// Samples inside of faces that are large for the number of control points.
+fn face_samples(domain: &Domain, method: &TSplineMethod, input: &LoadedInput) -> Vec<Sample> {
+    let ratio = method.face_samples.per_control_point;
+    let wanted = match method.fit.stop {
+        _ if ratio == 0.0 => return Vec::new(),
+        Stop::ControlPoints(most) => (ratio * most as f64) as usize,
+        Stop::Tolerance(_) => 0,
+    };
+    TSplineSurface::face_samples(domain, &input.mesh, wanted)
 }
 
 /// Tasks, data and options that mean nothing here are refused, and outputs before any work.
@@ -161,6 +175,14 @@ fn check(case: &Case, method: &TSplineMethod) -> Result<(), RunError> {
         && !(given > 0.0 && given.is_finite())
     {
         return Err(TSplineError::Tolerance { given }.into());
+    }
+    let given = method.face_samples.per_control_point;
+    if !(0.0..=MOST_PER_CONTROL_POINT).contains(&given) {
+        return Err(TSplineError::FaceSamples {
+            given,
+            most: MOST_PER_CONTROL_POINT,
+        }
+        .into());
     }
     write::check(&case.outputs, method.tessellate)
 }
