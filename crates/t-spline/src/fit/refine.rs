@@ -12,6 +12,8 @@ const MOST_ROUNDS: u32 = 200;
 
 /// How many times more than elsewhere errors in a cap may be, as roots of mean squares.
 const WORSE_CAP: f64 = 1.5;
+/// Shares of the control points between which caps become narrower.
+const NARROWING: std::ops::Range<f64> = 0.5..0.85;
 /// Samples that a cap keeps at least, and the share of its largest radius.
 const FEWEST: usize = 40;
 const NARROWEST: f64 = 0.3;
@@ -38,8 +40,13 @@ impl State<'_> {
             refinement,
         );
         let caps = match self.options.stop {
-            // Of a coarse surface the caps are the worst part.
-            Stop::ControlPoints(most) if 2 * own.unknowns() < most => own.caps().clone(),
+            // Of a coarse surface the caps are the worst part; and at the end no control points are
+            // left for what a narrower one lays bare.
+            Stop::ControlPoints(most)
+                if !NARROWING.contains(&(own.unknowns() as f64 / most as f64)) =>
+            {
+                own.caps().clone()
+            }
             _ => self.narrowed(&distances),
         };
         let refined = |count: usize| {
