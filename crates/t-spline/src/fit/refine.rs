@@ -10,11 +10,13 @@ use crate::space::TSplineSpace;
 /// Rounds after which no fit goes on.
 const MOST_ROUNDS: u32 = 200;
 
-/// How many times more than elsewhere errors in a cap may be, as roots of mean squares.
+/// How many times more than elsewhere errors in a cap may be, as roots of mean squares. Without a bound
+/// the error of happy_buddha_25k at 4,000 control points doubles; between 1.1 and 2.5 it changes by 3 %.
 const WORSE_CAP: f64 = 1.5;
 /// Shares of the control points between which caps become narrower.
 const NARROWING: std::ops::Range<f64> = 0.5..0.85;
-/// Samples that a cap keeps at least, and the share of its largest radius.
+/// Samples that a cap keeps at least, and the share of its largest radius: half or double changes errors
+/// by a tenth.
 const FEWEST: usize = 40;
 const NARROWEST: f64 = 0.3;
 
