@@ -166,6 +166,13 @@ pub enum Input {
     Solid(SolidShape),
 }
 
+impl Input {
+    /// Whether this is a file whose defects are mended.
+    pub(crate) fn is_mended(&self) -> bool {
+        matches!(self, Self::File { repair: true, .. })
+    }
+}
+
 /// What is fitted at the vertices.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

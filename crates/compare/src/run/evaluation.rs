@@ -52,6 +52,30 @@ impl Evaluation {
         self.sum.is_some() || !self.shifts.is_empty()
     }
 
+    /// Refuses what a spline that is tessellated by itself does not have.
+    pub(super) fn check_tessellated(&self, spline: &'static str) -> Result<(), RunError> {
+        if self.changes_spline() {
+            return Err(Self::no_moves(spline));
+        }
+        if self.at.is_some() || !self.moved.is_empty() || self.subdivide > 0 {
+            return Err(RunError::Without {
+                spline,
+                what: "parameters and subdivision",
+                remedy: "leave them out, or give --tessellate",
+            });
+        }
+        Ok(())
+    }
+
+    /// Refuses sums and moved knots.
+    pub(super) fn no_moves(spline: &'static str) -> RunError {
+        RunError::Without {
+            spline,
+            what: "sums and moves of knots",
+            remedy: "leave them out",
+        }
+    }
+
     /// Refuses what only solids have, and outputs that could not be written later.
     fn check_surface(&self, spline: &StoredSpline) -> Result<(), RunError> {
         let what = match self {
@@ -133,7 +157,6 @@ fn over_triangles(
     };
     enter("write", &mut clock, observer);
     write_outputs(&evaluation.outputs, &spline, &mesh, &values, &names, &[])?;
-    clock.leave();
     let summary = Summary {
         checks: counts(&spline, mesh.vertex_count()),
         outcome: Outcome::Converged,
@@ -141,17 +164,10 @@ fn over_triangles(
         seed: evaluation.seed,
     };
     let record = record(&input, &spline, summary, &mut clock);
+    let knots = spline.spline.knot_places(&input.mesh);
     Ok(RunOutput {
-        record,
-        knots: spline.spline.knot_places(&input.mesh),
-        spline: Some(spline),
-        mesh,
-        values,
-        names,
-        fields: Vec::new(),
-        frames: Vec::new(),
-        companions: Vec::new(),
-        texture: None,
+        knots,
+        ..RunOutput::new(record, Some(spline), mesh, values, names)
     })
 }
 
