@@ -207,6 +207,15 @@ from_library! {
 }
 
 impl RunError {
+    /// Returns the refusal of something that other methods have.
+    pub(crate) fn without(spline: &'static str, what: &'static str, remedy: &'static str) -> Self {
+        Self::Without {
+            spline,
+            what,
+            remedy,
+        }
+    }
+
     /// Returns what tells why the file at `path` was not written.
     pub(crate) fn unwritten<E: ToString>(path: &Path) -> impl Fn(E) -> Self {
         move |reason| Self::Write {

@@ -1,6 +1,5 @@
 //! Spline files, evaluated again.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -17,6 +16,7 @@ use crate::error::{PowellSabinError, RunError, TrivariateError};
 use crate::input::{fit_data, load_domain};
 use crate::measure::{self, Measured};
 use crate::output::{check_outputs, write_outputs};
+use crate::record::{Checks, named};
 use crate::spline_file::{SplineFile, StoredSpline};
 
 /// What an evaluation of a spline file is asked to do.
@@ -58,22 +58,18 @@ impl Evaluation {
             return Err(Self::no_moves(spline));
         }
         if self.at.is_some() || !self.moved.is_empty() || self.subdivide > 0 {
-            return Err(RunError::Without {
+            return Err(RunError::without(
                 spline,
-                what: "parameters and subdivision",
-                remedy: "leave them out, or give --tessellate",
-            });
+                "parameters and subdivision",
+                "leave them out, or give --tessellate",
+            ));
         }
         Ok(())
     }
 
     /// Refuses sums and moved knots.
     pub(super) fn no_moves(spline: &'static str) -> RunError {
-        RunError::Without {
-            spline,
-            what: "sums and moves of knots",
-            remedy: "leave them out",
-        }
+        RunError::without(spline, "sums and moves of knots", "leave them out")
     }
 
     /// Refuses what only solids have, and outputs that could not be written later.
@@ -172,10 +168,10 @@ fn over_triangles(
 }
 
 /// Returns the numbers of knots and of points.
-fn counts(spline: &SplineFile, points: usize) -> BTreeMap<String, Value> {
-    BTreeMap::from([
-        ("knots".to_owned(), json!(spline.spline.knots().len())),
-        ("evaluated_points".to_owned(), json!(points)),
+fn counts(spline: &SplineFile, points: usize) -> Checks {
+    named([
+        ("knots", json!(spline.spline.knots().len())),
+        ("evaluated_points", json!(points)),
     ])
 }
 

@@ -28,11 +28,7 @@ pub(super) fn check_plain_fit(case: &Case, spline: &'static str) -> Result<(), R
         }
         _ => return Ok(()),
     };
-    Err(RunError::Without {
-        spline,
-        what,
-        remedy,
-    })
+    Err(RunError::without(spline, what, remedy))
 }
 
 /// Refuses too few or too many segments along a side of a face.

@@ -92,13 +92,7 @@ pub(super) fn atlas(
 
 /// Tasks, data and options that mean nothing here are refused, and outputs before any work.
 fn check(case: &Case) -> Result<(), RunError> {
-    let refused = |what, remedy| {
-        Err(RunError::Without {
-            spline: "a conformal atlas",
-            what,
-            remedy,
-        })
-    };
+    let refused = |what, remedy| Err(RunError::without("a conformal atlas", what, remedy));
     if case.task != Task::Fit {
         return refused("task of a spline", "leave it out");
     }

@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::plane::surface;
 use super::reach::{Reach, Step};
-use super::{Produced, without};
+use super::{Produced, SPLINE};
 use crate::case::SplineEdit;
 use crate::error::RunError;
 use crate::record::{Checks, named};
@@ -109,7 +109,8 @@ pub(super) struct Edited {
 /// A surface with holes, or a change that is none.
 pub(super) fn edited(before: &PowellSabinSurface, changes: &[Change]) -> Result<Edited, RunError> {
     if !before.caps().is_empty() {
-        return Err(without(
+        return Err(RunError::without(
+            SPLINE,
             "edits where its form has zeros",
             "leave them out, or take a torus or a surface with a boundary",
         ));

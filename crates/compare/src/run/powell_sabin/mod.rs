@@ -163,22 +163,14 @@ fn output(
 fn check(case: &Case, method: &PowellSabinMethod) -> Result<(), RunError> {
     steps::check_plain_fit(case, SPLINE)?;
     if method.basis.is_some() && method.layout != Layout::Plane {
-        return Err(without(
+        return Err(RunError::without(
+            SPLINE,
             "single basis function over an atlas",
             "give `layout = \"plane\"` with it",
         ));
     }
     steps::check_segments(method.tessellate)?;
     check_outputs(&case.outputs)
-}
-
-/// Refuses what these splines do not have.
-fn without(what: &'static str, remedy: &'static str) -> RunError {
-    RunError::Without {
-        spline: SPLINE,
-        what,
-        remedy,
-    }
 }
 
 fn options(case: &Case, method: &PowellSabinMethod) -> Value {

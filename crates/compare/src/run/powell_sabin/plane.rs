@@ -10,7 +10,7 @@ use msplines_powell_sabin::{
 use serde_json::json;
 
 use super::edits::{nearest, place};
-use super::{Produced, atlas, without};
+use super::{Produced, SPLINE, atlas};
 use crate::case::{BasisFunction, PowellSabinMethod};
 use crate::clock::PhaseClock;
 use crate::error::RunError;
@@ -57,7 +57,7 @@ pub(super) fn basis_function(
     let vertex = nearest(mesh.positions(), &place(mesh, function.at));
     if function.corner > 2 {
         let (what, remedy) = ("fourth corner of a control triangle", "give 0, 1 or 2");
-        return Err(without(what, remedy));
+        return Err(RunError::without(SPLINE, what, remedy));
     }
     let basis = Basis::new(&domain).function(vertex, function.corner);
     let height = HEIGHT * mesh.diagonal();

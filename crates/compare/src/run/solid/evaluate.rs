@@ -78,13 +78,7 @@ pub(in crate::run) fn evaluate(
 
 /// What only surfaces have is refused, and outputs before any work.
 fn check(evaluation: &Evaluation) -> Result<(), RunError> {
-    let refused = |what, remedy| {
-        Err(RunError::Without {
-            spline: SPLINE,
-            what,
-            remedy,
-        })
-    };
+    let refused = |what, remedy| Err(RunError::without(SPLINE, what, remedy));
     if !evaluation.shifts.is_empty() {
         let remedy = "move its control points with `msplines deform`";
         return refused("control points of a surface", remedy);

@@ -158,11 +158,8 @@ fn measured(
 fn check(case: &Case, method: &TrivariateMethod) -> Result<(), RunError> {
     steps::check_plain_fit(case, SPLINE)?;
     if case.refine > 0 {
-        return Err(RunError::Without {
-            spline: SPLINE,
-            what: "cover or subdivision of its input",
-            remedy: "leave them out",
-        });
+        let what = "cover or subdivision of its input";
+        return Err(RunError::without(SPLINE, what, "leave them out"));
     }
     let number = |option, value: String, range| {
         Err(TrivariateError::Option {
