@@ -1,5 +1,7 @@
 //! What is measured of a T-spline.
 
+use std::collections::BTreeMap;
+
 use msplines_common::Vector3;
 use msplines_common::evaluate::Order;
 use msplines_common::mesh::TriangleMesh;
@@ -9,12 +11,11 @@ use msplines_t_spline::tmesh::Side;
 use msplines_t_spline::{TMesh, TSpline, TSplineSpace, TSplineSurface};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::tessellation;
 use crate::error::RunError;
 use crate::measure::{Tessellated, settled_distance};
-use crate::record::{Checks, named};
 
 /// Random points at which the partition of unity is looked at.
 const SAMPLES: usize = 20_000;
@@ -22,12 +23,12 @@ const SAMPLES: usize = 20_000;
 const MOST_TRIANGLES: usize = 2_000_000;
 
 /// Returns what is known of a surface by name.
-pub(super) fn surface(surface: &TSplineSurface, seed: u64) -> Checks {
+pub(super) fn surface(surface: &TSplineSurface, seed: u64) -> BTreeMap<String, Value> {
     let (domain, space) = (surface.domain(), surface.spline().space());
     let (report, mesh) = (domain.report(), space.mesh());
     let poles = domain.poles().len();
     let points = random_points(domain.complex(), seed);
-    named([
+    let named = [
         ("control_points", json!(space.unknowns())),
         ("cap_coefficients", json!(space.caps().coefficients())),
         ("genus", json!(report.genus)),
@@ -48,7 +49,8 @@ pub(super) fn surface(surface: &TSplineSurface, seed: u64) -> Checks {
         ("unity_max", json!(unity_max(space, &points))),
         ("basis_sum_min", json!(basis_sum_min(space, &points))),
         ("samples", json!(points.len())),
-    ])
+    ];
+    named.map(|(name, value)| (name.to_owned(), value)).into()
 }
 
 /// Points as dense everywhere on the cylinders.
