@@ -5,7 +5,7 @@ mod powell_sabin;
 mod solid;
 mod t_spline;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use msplines_biharmonic::{CombineError, DecomposeError, FitError};
 use msplines_common::evaluate::EvaluateError;
@@ -84,6 +84,22 @@ pub enum RunError {
         task: &'static str,
         /// The method.
         method: &'static str,
+    },
+    /// Something that other methods have.
+    #[error("{spline} has no {what}; {remedy}")]
+    Without {
+        /// What the method makes, with its article.
+        spline: &'static str,
+        /// What was asked for.
+        what: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// Too few or too many segments along a side of a face.
+    #[error("--tessellate {segments}: give a number from 1 to 64")]
+    Segments {
+        /// What was asked for.
+        segments: u32,
     },
     /// Data that cannot be split into layers.
     #[error("biharmonic: {0}")]
@@ -172,7 +188,42 @@ pub enum RunError {
     },
 }
 
+/// Lets `?` take the errors of a library to the error of its method, and on to [`RunError`].
+macro_rules! from_library {
+    ($($method:ident: $($source:ty),+;)+) => {$($(
+        impl From<$source> for RunError {
+            fn from(error: $source) -> Self {
+                $method::from(error).into()
+            }
+        }
+    )+)+};
+}
+
+from_library! {
+    TrivariateError: msplines_trivariate::solid::SolidError,
+        msplines_trivariate::cylinder::CylinderError;
+    PowellSabinError: msplines_powell_sabin::SurfaceError, msplines_powell_sabin::EditError;
+    TSplineError: msplines_t_spline::domain::DomainError, msplines_t_spline::FitError;
+}
+
 impl RunError {
+    /// Returns the refusal of something that other methods have.
+    pub(crate) fn without(spline: &'static str, what: &'static str, remedy: &'static str) -> Self {
+        Self::Without {
+            spline,
+            what,
+            remedy,
+        }
+    }
+
+    /// Returns what tells why the file at `path` was not written.
+    pub(crate) fn unwritten<E: ToString>(path: &Path) -> impl Fn(E) -> Self {
+        move |reason| Self::Write {
+            path: path.to_owned(),
+            reason: reason.to_string(),
+        }
+    }
+
     /// Returns the exit code that stands for this error.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
@@ -180,6 +231,8 @@ impl RunError {
             Self::Amount { .. }
             | Self::UnknownOutput { .. }
             | Self::Write { .. }
+            | Self::Without { .. }
+            | Self::Segments { .. }
             | Self::Frames(_)
             | Self::NotOverTime { .. } => exit::USAGE,
             Self::Input { .. }

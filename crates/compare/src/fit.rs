@@ -1,6 +1,5 @@
 //! From a case to a fitted spline in its stored form, whatever the method.
 
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -16,6 +15,7 @@ use crate::case::{Amount, BiharmonicMethod, Case, CaseCreases, Knots, Method};
 use crate::clock::PhaseClock;
 use crate::error::RunError;
 use crate::input::{FitData, LoadedInput, nearest_points, nearest_vertices};
+use crate::record::{Checks, named};
 use crate::spline_file::{StoredBiharmonic, StoredSpline};
 
 /// Phases of a fit that a record tells apart.
@@ -32,7 +32,7 @@ pub(crate) struct Fitted {
     /// How the fit ended.
     pub(crate) outcome: Outcome,
     /// Flat values of the method.
-    pub(crate) checks: BTreeMap<String, Value>,
+    pub(crate) checks: Checks,
     /// What the user should know.
     pub(crate) warnings: Vec<String>,
 }
@@ -218,11 +218,4 @@ impl Fitted {
             warnings: report.warnings,
         }
     }
-}
-
-fn named<const N: usize>(checks: [(&str, Value); N]) -> BTreeMap<String, Value> {
-    checks
-        .into_iter()
-        .map(|(name, value)| (name.to_owned(), value))
-        .collect()
 }

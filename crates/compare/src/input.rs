@@ -19,6 +19,7 @@ use crate::case::{Data, Input};
 use crate::clock::PhaseClock;
 use crate::error::{RunError, SplineFileError};
 use crate::generated::{ControlShape, colour_image, colour_pattern, mesh_digest};
+use crate::output::{coordinate_names, coordinates};
 use crate::record::{InputFacts, InputKind};
 use crate::spline_file::{SplineFile, StoredDomain};
 
@@ -279,17 +280,11 @@ pub struct FitData {
 /// # Errors
 /// An attribute that the file does not have.
 pub fn fit_data(data: &Data, input: &LoadedInput) -> Result<FitData, RunError> {
-    let names = |names: [&str; 3]| names.map(str::to_owned).to_vec();
     match data {
         Data::Positions => Ok(FitData {
             dimension: 3,
-            values: input
-                .mesh
-                .positions()
-                .iter()
-                .flat_map(|p| [p.x, p.y, p.z])
-                .collect(),
-            names: names(["x", "y", "z"]),
+            values: coordinates(input.mesh.positions()),
+            names: coordinate_names(),
             scale: input.mesh.diagonal(),
         }),
         Data::ColourPattern | Data::ColourImage => Ok(FitData {
@@ -298,7 +293,7 @@ pub fn fit_data(data: &Data, input: &LoadedInput) -> Result<FitData, RunError> {
                 Data::ColourImage => colour_image(&input.mesh),
                 _ => colour_pattern(&input.mesh),
             },
-            names: names(["red", "green", "blue"]),
+            names: ["red", "green", "blue"].map(str::to_owned).to_vec(),
             scale: 1.0,
         }),
         Data::Attributes(chosen) => attribute_data(chosen, input),

@@ -68,16 +68,43 @@ pub fn surface_distance(
     seed: u64,
 ) -> Result<Distance, RunError> {
     let is_linear = matches!(spline, StoredSpline::LsMesh { .. });
+    settled_distance(mesh, seed, |rounds| {
+        let (domain, values) = spline.evaluate(mesh, rounds)?;
+        let positions = values.chunks_exact(3).map(Point3::from_slice).collect();
+        let too_many = 4 * domain.vertex_count() > MOST_VERTICES;
+        Ok(Tessellated {
+            mesh: domain.with_positions(positions),
+            is_finest: is_linear || rounds == MOST_ROUNDS || too_many,
+        })
+    })
+}
+
+/// A spline as triangles.
+pub(crate) struct Tessellated {
+    /// The triangles.
+    pub(crate) mesh: TriangleMesh,
+    /// Whether halving them would make too many.
+    pub(crate) is_finest: bool,
+}
+
+/// Returns the two-sided distance between a surface and a spline, whose tessellation after so many
+/// rounds of halving is given, until halving changes little or that is the finest.
+///
+/// # Errors
+/// A tessellation that cannot be made, or a surface without area.
+pub(crate) fn settled_distance(
+    surface: &TriangleMesh,
+    seed: u64,
+    mut tessellate: impl FnMut(u32) -> Result<Tessellated, RunError>,
+) -> Result<Distance, RunError> {
     let mut coarser: Option<Distance> = None;
     let mut rounds = 0;
     loop {
-        let (domain, values) = spline.evaluate(mesh, rounds)?;
-        let positions = values.chunks_exact(3).map(Point3::from_slice).collect();
-        let found = distance(mesh, &domain.with_positions(positions), SAMPLES, seed)?;
-        let settled =
+        let Tessellated { mesh, is_finest } = tessellate(rounds)?;
+        let found = distance(surface, &mesh, SAMPLES, seed)?;
+        let is_settled =
             coarser.is_some_and(|before| (found.rms - before.rms).abs() <= SETTLED * before.rms);
-        let too_many = 4 * domain.vertex_count() > MOST_VERTICES;
-        if is_linear || settled || rounds == MOST_ROUNDS || too_many {
+        if is_settled || is_finest {
             return Ok(found);
         }
         coarser = Some(found);

@@ -70,17 +70,43 @@ pub fn write_outputs(
     names: &[String],
     fields: &[VertexAttribute],
 ) -> Result<(), RunError> {
-    for path in outputs {
+    outputs.iter().try_for_each(|path| {
         if extension(path) == "json" {
-            write_atomically(path, |out| spline.write(out)).map_err(|e| RunError::Write {
-                path: path.clone(),
-                reason: e.to_string(),
-            })?;
-        } else {
-            write_values(path, mesh, values, names, fields)?;
+            return write_spline(path, spline);
         }
+        write_values(path, mesh, values, names, fields)
+    })
+}
+
+/// Writes the spline, or the surface that it is at its vertices, to an output, with numbers at them.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(crate) fn write_positions(
+    path: &Path,
+    spline: &SplineFile,
+    mesh: &TriangleMesh,
+    fields: &[VertexAttribute],
+) -> Result<(), RunError> {
+    if extension(path) == "json" {
+        return write_spline(path, spline);
     }
-    Ok(())
+    let values = coordinates(mesh.positions());
+    write_values(path, mesh, &values, &coordinate_names(), fields)
+}
+
+fn write_spline(path: &Path, spline: &SplineFile) -> Result<(), RunError> {
+    write_atomically(path, |out| spline.write(out)).map_err(RunError::unwritten(path))
+}
+
+/// Returns points as `[point][coordinate]`.
+pub(crate) fn coordinates(points: &[Point3<f64>]) -> Vec<f64> {
+    points.iter().flat_map(|p| [p.x, p.y, p.z]).collect()
+}
+
+/// Returns the names of the components of points.
+pub(crate) fn coordinate_names() -> Vec<String> {
+    ["x", "y", "z"].map(str::to_owned).to_vec()
 }
 
 /// Writes values at the vertices of `mesh`, as an array or as a surface.
@@ -113,10 +139,7 @@ fn write_values(
         attributes: &attributes,
         ..Surface::default()
     };
-    write_surface(path, &surface).map_err(|e| RunError::Write {
-        path: path.to_owned(),
-        reason: e.to_string(),
-    })
+    write_surface(path, &surface).map_err(RunError::unwritten(path))
 }
 
 /// Returns whether an output takes values alone.
@@ -133,10 +156,7 @@ pub(crate) fn write_array(
     shape: Vec<usize>,
     values: Vec<f64>,
 ) -> Result<(), RunError> {
-    write_npy(path, &Array { shape, values }).map_err(|e| RunError::Write {
-        path: path.to_owned(),
-        reason: e.to_string(),
-    })
+    write_npy(path, &Array { shape, values }).map_err(RunError::unwritten(path))
 }
 
 /// Writes texture coordinates, a row of six numbers for every face.
@@ -163,11 +183,7 @@ pub(crate) const ROW_TEXTURE: &str = "texture.npy";
 /// # Errors
 /// A folder or file that cannot be written.
 pub fn write_row_files(folder: &Path, output: &RunOutput) -> Result<(), RunError> {
-    let refused = |reason: String| RunError::Write {
-        path: folder.to_owned(),
-        reason,
-    };
-    std::fs::create_dir_all(folder).map_err(|e| refused(e.to_string()))?;
+    std::fs::create_dir_all(folder).map_err(RunError::unwritten(folder))?;
     write_values(
         &folder.join(ROW_SURFACE),
         &output.mesh,
@@ -184,7 +200,7 @@ pub fn write_row_files(folder: &Path, output: &RunOutput) -> Result<(), RunError
         ..Surface::default()
     };
     if !output.knots.is_empty() {
-        write_surface(&folder.join(ROW_KNOTS), &points).map_err(|e| refused(e.to_string()))?;
+        write_surface(&folder.join(ROW_KNOTS), &points).map_err(RunError::unwritten(folder))?;
     }
     output
         .frames
@@ -207,10 +223,7 @@ fn write_companion(folder: &Path, companion: &Companion) -> Result<(), RunError>
             attributes: &companion.fields,
             ..Surface::default()
         };
-        write_surface(&path, &surface).map_err(|e| RunError::Write {
-            path,
-            reason: e.to_string(),
-        })?;
+        write_surface(&path, &surface).map_err(RunError::unwritten(&path))?;
     }
     for (lines, pairs) in [
         (EDGE_LINES, &companion.edges),

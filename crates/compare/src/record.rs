@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use msplines_common::metrics::{Distance, UnitCubeError, VertexError};
 use msplines_common::progress::Outcome;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// The schema of [`Record`].
 pub const RUN_SCHEMA: &str = "msplines.run/1";
@@ -22,7 +23,7 @@ pub struct Record {
     /// Facts of the input mesh.
     pub input: InputFacts,
     /// All options of the method, defaults included.
-    pub options: serde_json::Value,
+    pub options: Value,
     /// How the fit ended.
     pub outcome: Outcome,
     /// Free real coefficients of the spline; an atlas has none.
@@ -36,7 +37,7 @@ pub struct Record {
     /// Two-sided distance between the surfaces, where it was asked for.
     pub distance: Option<Distance>,
     /// Flat values of the method, such as its number of iterations.
-    pub checks: BTreeMap<String, serde_json::Value>,
+    pub checks: BTreeMap<String, Value>,
     /// Where the time went.
     pub seconds: Seconds,
     /// Largest resident memory of the process, in bytes; 0 where the system does not say.
@@ -70,7 +71,7 @@ impl Record {
     pub(crate) fn start(
         method: &'static str,
         input: InputFacts,
-        options: serde_json::Value,
+        options: Value,
         seed: u64,
     ) -> Self {
         Self {
@@ -94,6 +95,11 @@ impl Record {
         }
     }
 
+    /// Adds a value of the method.
+    pub(crate) fn check(&mut self, name: &str, value: impl Into<Value>) {
+        self.checks.insert(name.to_owned(), value.into());
+    }
+
     /// Returns the number at a dotted path, such as `error.max` or `checks.reference_rms`; `None`
     /// where this record has none there.
     #[must_use]
@@ -103,6 +109,14 @@ impl Record {
         let found = fields.try_fold(&values, |value, field| value.get(field))?;
         found.as_f64()
     }
+}
+
+/// Flat values of a method by name.
+pub(crate) type Checks = BTreeMap<String, Value>;
+
+/// Returns values with their names.
+pub(crate) fn named<const N: usize>(checks: [(&str, Value); N]) -> Checks {
+    checks.map(|(name, value)| (name.to_owned(), value)).into()
 }
 
 /// Returns what is wrong with a dotted path that no record has, and what to write.
@@ -235,7 +249,7 @@ pub(crate) mod tests {
         }
     }
 
-    fn keys(value: &serde_json::Value) -> Vec<&str> {
+    fn keys(value: &Value) -> Vec<&str> {
         value
             .as_object()
             .expect("an object")

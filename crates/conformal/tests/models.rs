@@ -1,6 +1,7 @@
 //! Spherical maps, flattenings and bounded forms of surfaces of the library of models.
 #![allow(clippy::print_stdout, reason = "the measures of every model are shown")]
 
+#[path = "../../../tests/library.rs"]
 mod library;
 
 use msplines_common::mesh::TriangleMesh;

@@ -1,5 +1,6 @@
 //! Cylindrical parameters of real surfaces, where their files are at hand.
 
+#[path = "../../../tests/library.rs"]
 mod library;
 
 use library::model;

@@ -1,29 +1,18 @@
 //! Real solids mapped to the cube, where their files are at hand.
-#![allow(clippy::print_stdout, reason = "tests say when they did not run")]
 
-use std::path::PathBuf;
+#[path = "../../../tests/library.rs"]
+mod library;
 
+use library::{model, path};
+use msplines_common::mesh::Policy;
 use msplines_common::mesh::tet::{self, TetMesh};
-use msplines_common::mesh::{Policy, accept};
 use msplines_common::progress::{Outcome, unobserved};
-use msplines_io::{read_soup, read_tets};
+use msplines_io::read_tets;
 use msplines_trivariate::domain::mesher::{MesherOptions, fill};
 use msplines_trivariate::domain::volume::{CubeMap, VolumeError, VolumeOptions, map};
 
-fn path(name: &str) -> Option<PathBuf> {
-    let here = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/models");
-    let root = std::env::var_os("MSPLINES_MODELS").map_or_else(|| here.into(), PathBuf::from);
-    let path = root.join(name);
-    if !path.is_file() {
-        println!("not run: {name}");
-    }
-    Some(path).filter(|path| path.is_file())
-}
-
 fn filled(name: &str) -> Option<TetMesh> {
-    let soup = read_soup(&path(name)?).expect("a surface of the library");
-    let surface = accept(&soup, Policy::Repair).expect("a surface").mesh;
-    let filled = fill(&surface, &MesherOptions::default(), &mut unobserved());
+    let filled = fill(&model(name)?, &MesherOptions::default(), &mut unobserved());
     Some(filled.expect("a solid").mesh)
 }
 
@@ -42,7 +31,7 @@ fn mapped(mesh: &TetMesh) -> CubeMap {
 
 #[test]
 fn filled_surfaces_are_mapped_without_folds() {
-    for (name, distortion) in [("bone_6k.ply", 1.3), ("moai_10k.ply", 0.4)] {
+    for (name, distortion) in [("bone_6k", 1.3), ("moai_10k", 0.4)] {
         if let Some(mesh) = filled(name) {
             let quality = mapped(&mesh).report.quality;
             assert!(quality.distortion < distortion, "{name}: {quality:?}");

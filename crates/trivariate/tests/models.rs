@@ -1,5 +1,6 @@
 //! Real surfaces filled, where their files are at hand.
 
+#[path = "../../../tests/library.rs"]
 mod library;
 
 use library::model;

@@ -1,5 +1,7 @@
 //! What one run is asked to do, as plain data.
 
+mod amount;
+mod biharmonic;
 mod conformal;
 mod edit;
 mod manifold;
@@ -7,9 +9,7 @@ mod powell_sabin;
 mod solid;
 mod t_spline;
 
-use std::fmt;
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use msplines_biharmonic::Scheme;
 use serde::{Deserialize, Serialize};
@@ -17,6 +17,8 @@ use serde::{Deserialize, Serialize};
 use crate::animation::Frames;
 use crate::generated::{ChartFunction, ControlShape, GeneratedSurface, NetworkShape, SolidShape};
 
+pub use amount::{Amount, AmountError};
+pub use biharmonic::{BiharmonicMethod, CaseCreases, Knots, Weights};
 pub use conformal::{ConformalMethod, Form, FormError};
 pub use edit::{Edit, Move};
 pub use manifold::{ChartMethod, Creases, CurveNetworkMethod, Polygons, SparseManifoldMethod};
@@ -166,6 +168,13 @@ pub enum Input {
     Solid(SolidShape),
 }
 
+impl Input {
+    /// Whether this is a file whose defects are mended.
+    pub(crate) fn is_mended(&self) -> bool {
+        matches!(self, Self::File { repair: true, .. })
+    }
+}
+
 /// What is fitted at the vertices.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -259,244 +268,5 @@ impl Method {
             Self::PowellSabin(_) => "powell-sabin",
             Self::TSpline(_) => "t-spline",
         }
-    }
-}
-
-/// A biharmonic B-spline with its options.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BiharmonicMethod {
-    /// Where its knots are.
-    pub knots: Knots,
-    /// How the places of the knots are chosen.
-    pub selection: msplines_biharmonic::Selection,
-    /// How long knots are optimised.
-    pub effort: msplines_biharmonic::Effort,
-    /// Whether a few of them move in the end to lower the largest error.
-    #[serde(default)]
-    pub polish: bool,
-    /// Discrete Laplacian.
-    pub laplacian: msplines_biharmonic::Laplacian,
-    /// Where the surface may have creases.
-    pub creases: CaseCreases,
-    /// How much each vertex counts; all alike where absent.
-    pub weights: Option<Weights>,
-}
-
-impl BiharmonicMethod {
-    /// Returns the method with these knots and default options.
-    #[must_use]
-    pub fn new(knots: Knots) -> Self {
-        let defaults = msplines_biharmonic::Options::default();
-        Self {
-            knots,
-            selection: defaults.selection,
-            effort: defaults.effort,
-            polish: defaults.polish,
-            laplacian: defaults.laplacian,
-            creases: CaseCreases::None,
-            weights: None,
-        }
-    }
-}
-
-/// How much each vertex counts.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Weights {
-    /// A file with a number for every vertex.
-    File(PathBuf),
-    /// More inside a ball than elsewhere, where the weight is 1.
-    Ball {
-        /// Middle of the ball, as fractions of the sides of the bounding box.
-        at: [f64; 3],
-        /// Its radius, as a fraction of the diagonal of the bounding box.
-        radius: f64,
-        /// Weight inside.
-        weight: f64,
-    },
-}
-
-/// Where a surface may have creases.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CaseCreases {
-    /// Nowhere.
-    None,
-    /// At edges whose faces meet at more than so many degrees.
-    SharperThan(f64),
-    /// Along the edges in this file: two vertices a line, from zero.
-    Along(PathBuf),
-}
-
-/// Where the knots of a biharmonic B-spline are.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Knots {
-    /// So many, at optimised places.
-    Optimised(Amount),
-    /// At every vertex: the spline interpolates.
-    All,
-    /// As many as the noise of the data bears, at optimised places.
-    Auto,
-    /// At the vertices nearest to the points of this file, each vertex once.
-    Near(PathBuf),
-    /// At the points of the surface nearest to the points of this file, each point once.
-    At(PathBuf),
-}
-
-impl FromStr for Knots {
-    type Err = AmountError;
-
-    /// Reads `all`, `auto`, or an [`Amount`].
-    fn from_str(text: &str) -> Result<Self, AmountError> {
-        match text.trim() {
-            "all" => Ok(Self::All),
-            "auto" => Ok(Self::Auto),
-            amount => amount.parse().map(Self::Optimised),
-        }
-    }
-}
-
-/// A number of vertices, or a fraction of them.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Amount {
-    /// So many vertices.
-    Count(usize),
-    /// This fraction of the vertices, rounded to the nearest count; at least one unless it is zero.
-    Fraction(f64),
-}
-
-/// Why an amount makes no sense.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum AmountError {
-    /// Neither `1500` nor `3%`.
-    #[error("`{text}` is neither a count such as 1500 nor a percentage such as 3%")]
-    Unreadable {
-        /// What was given.
-        text: String,
-    },
-    /// Nothing at all.
-    #[error("{asked} of {vertices} vertices is none; ask for at least one")]
-    Zero {
-        /// What was given.
-        asked: Amount,
-        /// Vertices of the mesh.
-        vertices: usize,
-    },
-    /// More than there are.
-    #[error(
-        "{asked} is more than the {vertices} vertices of the mesh; ask for at most {vertices} or 100%"
-    )]
-    TooMany {
-        /// What was given.
-        asked: Amount,
-        /// Vertices of the mesh.
-        vertices: usize,
-    },
-}
-
-impl Amount {
-    /// Returns the count this amount stands for on a mesh of `vertices` vertices.
-    ///
-    /// # Errors
-    /// A count of zero, or more than there are vertices.
-    pub fn of(self, vertices: usize) -> Result<usize, AmountError> {
-        let count = match self {
-            Self::Count(count) => count,
-            Self::Fraction(fraction) if fraction > 1.0 => usize::MAX,
-            Self::Fraction(fraction) if fraction > 0.0 => {
-                ((fraction * vertices as f64).round() as usize).max(1)
-            }
-            Self::Fraction(_) => 0,
-        };
-        match count {
-            0 => Err(AmountError::Zero {
-                asked: self,
-                vertices,
-            }),
-            _ if count > vertices => Err(AmountError::TooMany {
-                asked: self,
-                vertices,
-            }),
-            _ => Ok(count),
-        }
-    }
-}
-
-impl fmt::Display for Amount {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Count(count) => write!(f, "{count}"),
-            Self::Fraction(fraction) => write!(f, "{}%", (fraction * 1e8).round() / 1e6),
-        }
-    }
-}
-
-impl FromStr for Amount {
-    type Err = AmountError;
-
-    fn from_str(text: &str) -> Result<Self, AmountError> {
-        let unreadable = || AmountError::Unreadable {
-            text: text.to_owned(),
-        };
-        let Some(percent) = text.trim().strip_suffix('%') else {
-            return text
-                .trim()
-                .parse()
-                .map(Self::Count)
-                .map_err(|_| unreadable());
-        };
-        let percent: f64 = percent.trim().parse().map_err(|_| unreadable())?;
-        if !percent.is_finite() || percent < 0.0 {
-            return Err(unreadable());
-        }
-        Ok(Self::Fraction(percent / 100.0))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn amounts_are_read_as_counts_or_percentages() {
-        assert_eq!("1500".parse(), Ok(Amount::Count(1500)));
-        assert_eq!("3%".parse(), Ok(Amount::Fraction(0.03)));
-        assert_eq!("0.5 %".parse(), Ok(Amount::Fraction(0.005)));
-        for text in ["", "%", "-3%", "nan%", "3.5", "-1", "many"] {
-            assert!(text.parse::<Amount>().is_err(), "{text} must be refused");
-        }
-    }
-
-    #[test]
-    fn amounts_stay_between_one_and_all_vertices() {
-        assert_eq!(Amount::Fraction(0.03).of(10_044), Ok(301));
-        assert_eq!(Amount::Fraction(1.0).of(7), Ok(7));
-        assert_eq!(Amount::Fraction(0.001).of(7), Ok(1));
-        assert_eq!(Amount::Count(7).of(7), Ok(7));
-        for bad in [Amount::Count(0), Amount::Fraction(0.0)] {
-            assert!(matches!(bad.of(7), Err(AmountError::Zero { .. })));
-        }
-        for bad in [
-            Amount::Count(8),
-            Amount::Fraction(1.01),
-            Amount::Fraction(1e300),
-        ] {
-            assert!(matches!(bad.of(7), Err(AmountError::TooMany { .. })));
-        }
-    }
-
-    #[test]
-    fn a_refused_amount_says_what_to_ask_for() {
-        let error = Amount::Count(8).of(7).expect_err("too many").to_string();
-        assert_eq!(
-            error,
-            "8 is more than the 7 vertices of the mesh; ask for at most 7 or 100%"
-        );
-        let error = Amount::Fraction(0.0).of(7).expect_err("none").to_string();
-        assert_eq!(error, "0% of 7 vertices is none; ask for at least one");
     }
 }

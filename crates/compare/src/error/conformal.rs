@@ -22,14 +22,6 @@ pub enum AtlasError {
         /// The form asked for.
         form: String,
     },
-    /// Something that splines have and atlases have not.
-    #[error("a conformal atlas has no {what}; {remedy}")]
-    SplineOnly {
-        /// What was asked for.
-        what: &'static str,
-        /// What to do.
-        remedy: &'static str,
-    },
     /// An output that does not hold texture.
     #[error(
         "{}: the extension is none of .json, .obj, .ply, .glb, .npy, which hold an atlas; give one of them",
@@ -55,7 +47,6 @@ impl AtlasError {
                     | PunctureError::StarsTouch { .. },
                 ),
             )
-            | Self::SplineOnly { .. }
             | Self::Output { .. } => exit::USAGE,
             Self::Conformal(_) | Self::NoChoice { .. } => exit::METHOD,
         }

@@ -14,14 +14,6 @@ pub enum PowellSabinError {
     /// A change of it is none.
     #[error("powell-sabin: {0}")]
     Edit(#[from] EditError),
-    /// Something that these splines do not have.
-    #[error("a Powell-Sabin spline has no {what}; {remedy}")]
-    FitOnly {
-        /// What was asked for.
-        what: &'static str,
-        /// What to do.
-        remedy: &'static str,
-    },
     /// A change of a spline of another method.
     #[error(
         "{method} has no control triangles to change; reshape a spline of `msplines fit powell-sabin`"
@@ -29,12 +21,6 @@ pub enum PowellSabinError {
     NotReshaped {
         /// The method.
         method: &'static str,
-    },
-    /// Too few or too many segments.
-    #[error("--tessellate {segments}: give a number from 1 to 64")]
-    Segments {
-        /// What was asked for.
-        segments: u32,
     },
 }
 
@@ -45,9 +31,7 @@ impl PowellSabinError {
         match self {
             Self::Surface(SurfaceError::Fit(FitError::Weights { .. }))
             | Self::Edit(_)
-            | Self::FitOnly { .. }
-            | Self::NotReshaped { .. }
-            | Self::Segments { .. } => exit::USAGE,
+            | Self::NotReshaped { .. } => exit::USAGE,
             Self::Surface(SurfaceError::Fit(
                 FitError::Normal { .. } | FitError::NotFinite { .. },
             )) => exit::INPUT,

@@ -36,14 +36,6 @@ pub enum TrivariateError {
     /// Control points that cannot be moved.
     #[error("--move: {0}")]
     Move(SplineError),
-    /// Something that surfaces have and solids have not.
-    #[error("a trivariate spline has no {what}; {remedy}")]
-    SurfaceOnly {
-        /// What was asked for.
-        what: &'static str,
-        /// What to do.
-        remedy: &'static str,
-    },
     /// Something that solids have and surfaces have not.
     #[error("{method} has no {what}; give the spline file of a trivariate spline")]
     SolidOnly {
@@ -94,7 +86,6 @@ impl TrivariateError {
             ))
             | Self::Option { .. }
             | Self::Move(_)
-            | Self::SurfaceOnly { .. }
             | Self::SolidOnly { .. }
             | Self::Output { .. }
             | Self::PointOutput { .. }

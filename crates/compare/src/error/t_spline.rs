@@ -43,20 +43,6 @@ pub enum TSplineError {
     /// Poles that do not close the mesh.
     #[error("t-spline: the surface around its poles is no manifold: {0}; choose other poles")]
     Poles(#[from] TopologyError),
-    /// Something that these splines do not have.
-    #[error("a T-spline has no {what}; {remedy}")]
-    FitOnly {
-        /// What was asked for.
-        what: &'static str,
-        /// What to do.
-        remedy: &'static str,
-    },
-    /// Too few or too many segments.
-    #[error("--tessellate {segments}: give a number from 1 to 64")]
-    Segments {
-        /// What was asked for.
-        segments: u32,
-    },
 }
 
 impl TSplineError {
@@ -69,9 +55,7 @@ impl TSplineError {
             )
             | Self::FaceSamples { .. }
             | Self::Tolerance { .. }
-            | Self::NoSuchVertex { .. }
-            | Self::FitOnly { .. }
-            | Self::Segments { .. } => exit::USAGE,
+            | Self::NoSuchVertex { .. } => exit::USAGE,
             Self::Fit(FitError::NotFinite { .. }) => exit::INPUT,
             Self::Domain(_) | Self::Fit(_) | Self::Poles(_) => exit::METHOD,
         }

@@ -1,6 +1,5 @@
 //! Spline files, evaluated again.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -17,6 +16,7 @@ use crate::error::{PowellSabinError, RunError, TrivariateError};
 use crate::input::{fit_data, load_domain};
 use crate::measure::{self, Measured};
 use crate::output::{check_outputs, write_outputs};
+use crate::record::{Checks, named};
 use crate::spline_file::{SplineFile, StoredSpline};
 
 /// What an evaluation of a spline file is asked to do.
@@ -50,6 +50,26 @@ impl Evaluation {
     /// Whether what is evaluated is no more the spline of the file.
     fn changes_spline(&self) -> bool {
         self.sum.is_some() || !self.shifts.is_empty()
+    }
+
+    /// Refuses what a spline that is tessellated by itself does not have.
+    pub(super) fn check_tessellated(&self, spline: &'static str) -> Result<(), RunError> {
+        if self.changes_spline() {
+            return Err(Self::no_moves(spline));
+        }
+        if self.at.is_some() || !self.moved.is_empty() || self.subdivide > 0 {
+            return Err(RunError::without(
+                spline,
+                "parameters and subdivision",
+                "leave them out, or give --tessellate",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Refuses sums and moved knots.
+    pub(super) fn no_moves(spline: &'static str) -> RunError {
+        RunError::without(spline, "sums and moves of knots", "leave them out")
     }
 
     /// Refuses what only solids have, and outputs that could not be written later.
@@ -133,7 +153,6 @@ fn over_triangles(
     };
     enter("write", &mut clock, observer);
     write_outputs(&evaluation.outputs, &spline, &mesh, &values, &names, &[])?;
-    clock.leave();
     let summary = Summary {
         checks: counts(&spline, mesh.vertex_count()),
         outcome: Outcome::Converged,
@@ -141,25 +160,18 @@ fn over_triangles(
         seed: evaluation.seed,
     };
     let record = record(&input, &spline, summary, &mut clock);
+    let knots = spline.spline.knot_places(&input.mesh);
     Ok(RunOutput {
-        record,
-        knots: spline.spline.knot_places(&input.mesh),
-        spline: Some(spline),
-        mesh,
-        values,
-        names,
-        fields: Vec::new(),
-        frames: Vec::new(),
-        companions: Vec::new(),
-        texture: None,
+        knots,
+        ..RunOutput::new(record, Some(spline), mesh, values, names)
     })
 }
 
 /// Returns the numbers of knots and of points.
-fn counts(spline: &SplineFile, points: usize) -> BTreeMap<String, Value> {
-    BTreeMap::from([
-        ("knots".to_owned(), json!(spline.spline.knots().len())),
-        ("evaluated_points".to_owned(), json!(points)),
+fn counts(spline: &SplineFile, points: usize) -> Checks {
+    named([
+        ("knots", json!(spline.spline.knots().len())),
+        ("evaluated_points", json!(points)),
     ])
 }
 

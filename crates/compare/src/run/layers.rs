@@ -1,12 +1,11 @@
 //! Splitting data into layers of splines, and putting it together again.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use msplines_biharmonic::{self as biharmonic, Layer, Options, Space, combine};
 use msplines_common::evaluate::VertexData;
 use msplines_common::progress::Observer;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::{Produced, enter};
 use crate::case::{Amount, Case};
@@ -14,6 +13,7 @@ use crate::clock::PhaseClock;
 use crate::error::RunError;
 use crate::fit::{Fitted, PHASES, biharmonic_method, biharmonic_options, count, following};
 use crate::input::{FitData, LoadedInput};
+use crate::record::Checks;
 use crate::spline_file::{StoredBiharmonic, StoredSpline};
 
 /// Decomposes data and sums up the parts with their factors. The stored spline is the sum of the
@@ -83,8 +83,8 @@ pub(super) fn decompose(
 
 /// Returns the knots of each layer and the root mean square of what is left after it, over the scale
 /// of the data, and how exactly all parts add up to the data.
-fn checks(parts: &biharmonic::Decomposition, data: &FitData) -> BTreeMap<String, Value> {
-    let mut checks = BTreeMap::new();
+fn checks(parts: &biharmonic::Decomposition, data: &FitData) -> Checks {
+    let mut checks = Checks::new();
     let vertices = data.values.len() / data.dimension;
     let mut left = data.values.clone();
     let layers = parts.layers.iter().zip(&parts.layer_values).enumerate();

@@ -10,10 +10,10 @@ mod powell_sabin;
 mod properties;
 mod shared_space;
 mod solid;
+mod steps;
 mod sums;
 mod t_spline;
 
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 use msplines_common::Point3;
@@ -21,14 +21,14 @@ use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_common::progress::{Observer, Outcome, Progress};
 use serde_json::{Value, json};
 
-use crate::case::{Case, Data, DomainStorage, Input, Task};
-use crate::clock::{PhaseClock, process_usage};
+use crate::case::{Case, Data, DomainStorage, Input, Method, Task};
+use crate::clock::PhaseClock;
 use crate::error::RunError;
 use crate::fit::{Fitted, fit};
 use crate::input::{FitData, LoadedInput, fit_data, load};
 use crate::measure::{self, Measured};
-use crate::output::{check_outputs, write_outputs};
-use crate::record::Record;
+use crate::output::{check_outputs, coordinate_names, coordinates, write_outputs};
+use crate::record::{Checks, Record};
 use crate::spline_file::{SplineFile, StoredDomain, StoredMesh};
 
 pub(crate) use conformal::CHECKERS;
@@ -64,6 +64,36 @@ pub struct RunOutput {
     pub texture: Option<Vec<[[f64; 2]; 3]>>,
 }
 
+impl RunOutput {
+    /// Returns what a run gives, with nothing beside its values.
+    fn new(
+        record: Record,
+        spline: Option<SplineFile>,
+        mesh: TriangleMesh,
+        values: Vec<f64>,
+        names: Vec<String>,
+    ) -> Self {
+        Self {
+            record,
+            spline,
+            mesh,
+            values,
+            names,
+            fields: Vec::new(),
+            knots: Vec::new(),
+            frames: Vec::new(),
+            companions: Vec::new(),
+            texture: None,
+        }
+    }
+
+    /// Returns what a run gives whose result is the mesh itself.
+    fn of_surface(record: Record, spline: Option<SplineFile>, mesh: TriangleMesh) -> Self {
+        let values = coordinates(mesh.positions());
+        Self::new(record, spline, mesh, values, coordinate_names())
+    }
+}
+
 /// Runs a case and writes its outputs.
 ///
 /// The errors in the record are those of the spline in its stored form, evaluated again. A run
@@ -81,6 +111,7 @@ pub fn run(
     if let Some(output) = asked(case, &mut clock, observer) {
         return output;
     }
+    check_outputs(&case.outputs)?;
     let input = prepared(load(&case.input, &mut clock)?, case)?;
     if let Some(over_time) = frames::asked(case, &input)? {
         return frames::run(case, &over_time, &input, &mut clock, observer);
@@ -113,7 +144,6 @@ pub fn run(
         &data.names,
         &produced.fields,
     )?;
-    clock.leave();
     checks.insert("evaluated_points".to_owned(), json!(mesh.vertex_count()));
     let summary = Summary {
         checks,
@@ -123,36 +153,30 @@ pub fn run(
     };
     let mut record = record(&input, &spline, summary, &mut clock);
     record.warnings.extend(fitted.warnings);
+    let knots = spline.spline.knot_places(&input.mesh);
     Ok(RunOutput {
-        record,
-        knots: spline.spline.knot_places(&input.mesh),
-        spline: Some(spline),
-        mesh,
-        values,
-        names: data.names,
+        knots,
         fields: produced.fields,
-        frames: Vec::new(),
-        companions: Vec::new(),
-        texture: None,
+        ..RunOutput::new(record, Some(spline), mesh, values, data.names)
     })
 }
 
-/// Runs a case whose method has a run of its own; outputs are checked before any work.
+/// Runs a case whose method has a run of its own.
 fn asked(
     case: &Case,
     clock: &mut PhaseClock,
     observer: &mut Observer<'_>,
 ) -> Option<Result<RunOutput, RunError>> {
-    let own = solid::asked(case, clock, observer);
-    let own = own.or_else(|| conformal::asked(case, clock, observer));
-    let own = own.or_else(|| powell_sabin::asked(case, clock, observer));
-    if let Some(output) = own.or_else(|| t_spline::asked(case, clock, observer)) {
-        return Some(output);
-    }
-    if let Err(error) = check_outputs(&case.outputs) {
-        return Some(Err(error));
-    }
-    manifold::asked(case, clock, observer)
+    Some(match &case.method {
+        Method::Biharmonic(_) | Method::LsMesh { .. } => return None,
+        Method::SparseManifold(method) => manifold::run(case, method, clock, observer),
+        Method::CurveNetwork(method) => manifold::network::run(case, method, clock, observer),
+        Method::Chart(method) => manifold::chart::run(case, method, clock, observer),
+        Method::Trivariate(method) => solid::run(case, method, clock, observer),
+        Method::Conformal(method) => conformal::run(case, method, clock, observer),
+        Method::PowellSabin(method) => powell_sabin::run(case, method, clock, observer),
+        Method::TSpline(method) => t_spline::run(case, method, clock, observer),
+    })
 }
 
 /// Does what the task of a case is.
@@ -228,20 +252,17 @@ fn fitted(
 /// What a record says beyond its input, spline and times.
 struct Summary {
     outcome: Outcome,
-    checks: BTreeMap<String, Value>,
+    checks: Checks,
     measured: Measured,
     seed: u64,
 }
 
-/// Returns the options of the method together with those of the run.
+/// Returns the options of a spline over triangles together with those of the run.
 fn options(case: &Case, method: &Value) -> Value {
-    let mut options = method.clone();
-    options["data"] = json!(case.data);
-    options["seed"] = json!(case.seed);
+    let mut options = steps::options(case, method.clone());
     options["subdivide"] = json!(case.subdivide);
     options["refine"] = json!(case.refine);
     options["double_cover"] = json!(case.double_cover);
-    options["repair"] = json!(matches!(case.input, Input::File { repair: true, .. }));
     options
 }
 
@@ -259,6 +280,7 @@ fn domain(case: &Case, input: &LoadedInput) -> StoredDomain {
     }
 }
 
+/// Returns the record of a run whose outputs are written.
 fn record(
     input: &LoadedInput,
     spline: &SplineFile,
@@ -266,21 +288,19 @@ fn record(
     clock: &mut PhaseClock,
 ) -> Record {
     let stored = &spline.spline;
-    let mesh = &input.mesh;
-    let options = spline.options.clone();
-    Record {
+    let mut record = Record {
         outcome: summary.outcome,
         dofs: (stored.knots().len() * stored.dimension()) as u64,
-        domain_bytes: (24 * mesh.vertex_count() + 12 * mesh.face_count()) as u64,
+        domain_bytes: steps::triangle_bytes(&input.mesh),
         error: summary.measured.error,
         error_unit_cube: summary.measured.unit_cube,
         distance: summary.measured.distance,
         checks: summary.checks,
-        seconds: clock.read(),
-        peak_rss_bytes: process_usage().peak_rss_bytes,
         warnings: input.warnings.clone(),
-        ..Record::start(stored.method(), input.facts.clone(), options, summary.seed)
-    }
+        ..steps::record(spline, &input.facts, summary.seed)
+    };
+    steps::finish(&mut record, clock);
+    record
 }
 
 fn check_finite(values: &[f64], dimension: usize) -> Result<(), RunError> {

@@ -108,7 +108,7 @@ impl StoredBiharmonic {
     fn check(&self, vertices: usize) -> Result<(), SplineFileError> {
         let values = self.coefficients.iter().chain(&self.knot_values);
         for values in values {
-            super::check_lengths(&self.knots, self.dimension, values, vertices)?;
+            super::stored::check_lengths(&self.knots, self.dimension, values, vertices)?;
         }
         match self.constant.as_ref().map_or(self.dimension, Vec::len) {
             constants if constants == self.dimension => Ok(()),

@@ -3,40 +3,27 @@
 mod texture;
 mod write;
 
-use std::collections::BTreeMap;
-
 use msplines_common::Point3;
 use msplines_common::progress::Observer;
 use msplines_conformal::measure::Stretch;
 use msplines_conformal::{Atlas, AtlasOptions, AtlasReport, SurfaceAtlas};
 use serde_json::{Value, json};
 
-use super::{RunOutput, enter, prepared};
+use super::{RunOutput, enter, prepared, steps};
 use crate::atlas_file::AtlasFile;
-use crate::case::{Case, ConformalMethod, Data, Form, Input, Method, Task};
-use crate::clock::{PhaseClock, process_usage};
+use crate::case::{Case, ConformalMethod, Data, Form, Task};
+use crate::clock::PhaseClock;
 use crate::error::{AtlasError, RunError};
 use crate::input::{LoadedInput, load};
-use crate::record::Record;
+use crate::record::{Checks, Record, named};
 
 pub(crate) use texture::CHECKERS;
 
 /// Faces with a larger ratio of singular values count as stretched: needles where there were triangles.
 const STRETCHED: f64 = 10.0;
 
-/// Runs a case whose method is a conformal atlas; nothing for another one.
-pub(super) fn asked(
-    case: &Case,
-    clock: &mut PhaseClock,
-    observer: &mut Observer<'_>,
-) -> Option<Result<RunOutput, RunError>> {
-    match &case.method {
-        Method::Conformal(method) => Some(run(case, method, clock, observer)),
-        _ => None,
-    }
-}
-
-fn run(
+/// Runs a case whose method is a conformal atlas.
+pub(super) fn run(
     case: &Case,
     method: &ConformalMethod,
     clock: &mut PhaseClock,
@@ -56,7 +43,6 @@ fn run(
     let file = AtlasFile::new(digest, options.clone(), &found);
     enter("write", clock, observer);
     write::write(&case.outputs, &file, atlas.mesh(), &texture)?;
-    clock.leave();
     let mesh = atlas.mesh().clone();
     let mut warnings = input.warnings.clone();
     let added = found.report.added_vertices;
@@ -66,26 +52,17 @@ fn run(
             "the mesh was too coarse: {added} vertices were added in {count} rounds of local refinement"
         ));
     }
-    let record = Record {
-        domain_bytes: (24 * mesh.vertex_count() + 12 * mesh.face_count()) as u64,
+    let mut record = Record {
+        domain_bytes: steps::triangle_bytes(&mesh),
         checks: checks(&found.report, &stretches),
-        seconds: clock.read(),
-        peak_rss_bytes: process_usage().peak_rss_bytes,
         warnings,
         ..Record::start("conformal", input.facts.clone(), options, case.seed)
     };
-    let positions = mesh.positions().iter();
+    steps::finish(&mut record, clock);
     Ok(RunOutput {
-        record,
-        spline: None,
-        values: positions.flat_map(|p| [p.x, p.y, p.z]).collect(),
-        names: ["x", "y", "z"].map(str::to_owned).to_vec(),
-        fields: Vec::new(),
         knots: zeros(atlas),
-        frames: Vec::new(),
-        companions: Vec::new(),
         texture: Some(texture),
-        mesh,
+        ..RunOutput::of_surface(record, None, mesh)
     })
 }
 
@@ -115,7 +92,7 @@ pub(super) fn atlas(
 
 /// Tasks, data and options that mean nothing here are refused, and outputs before any work.
 fn check(case: &Case) -> Result<(), RunError> {
-    let refused = |what, remedy| Err(AtlasError::SplineOnly { what, remedy }.into());
+    let refused = |what, remedy| Err(RunError::without("a conformal atlas", what, remedy));
     if case.task != Task::Fit {
         return refused("task of a spline", "leave it out");
     }
@@ -136,14 +113,14 @@ fn options(case: &Case, method: &ConformalMethod) -> Value {
         "seed": case.seed,
         "refine": case.refine,
         "double_cover": case.double_cover,
-        "repair": matches!(case.input, Input::File { repair: true, .. }),
+        "repair": case.input.is_mended(),
     })
 }
 
-fn checks(report: &AtlasReport, stretches: &[(Stretch, f64)]) -> BTreeMap<String, Value> {
+fn checks(report: &AtlasReport, stretches: &[(Stretch, f64)]) -> Checks {
     let distortion = &report.distortion;
     let stretched = stretches.iter().filter(|(s, _)| s.anisotropy > STRETCHED);
-    let named = [
+    named([
         ("genus", json!(report.genus)),
         ("zeros", json!(report.zeros)),
         ("flips", json!(report.flips)),
@@ -158,9 +135,7 @@ fn checks(report: &AtlasReport, stretches: &[(Stretch, f64)]) -> BTreeMap<String
         ("log_variance", json!(report.log_variance)),
         ("added_vertices", json!(report.added_vertices)),
         ("rounds", json!(report.rounds)),
-    ];
-    let named = named.map(|(name, value)| (name.to_owned(), value));
-    named.into_iter().collect()
+    ])
 }
 
 /// Returns the places of the zeros, each the mean of the vertices that it lies between.

@@ -42,15 +42,10 @@ pub(super) fn write(
         }
         write_surface(path, &surface)
     };
-    for path in outputs {
+    outputs.iter().try_for_each(|path| {
         if is_array(path) {
-            write_texture(path, texture)?;
-            continue;
+            return write_texture(path, texture);
         }
-        write_one(path).map_err(|error| RunError::Write {
-            path: path.clone(),
-            reason: error.to_string(),
-        })?;
-    }
-    Ok(())
+        write_one(path).map_err(RunError::unwritten(path))
+    })
 }

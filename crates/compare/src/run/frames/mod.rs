@@ -74,10 +74,7 @@ impl ShownFrame {
                 ..Surface::default()
             };
             let path = folder.join(name);
-            write_surface(&path, &points).map_err(|e| RunError::Write {
-                path: path.clone(),
-                reason: e.to_string(),
-            })?;
+            write_surface(&path, &points).map_err(RunError::unwritten(&path))?;
         }
         Ok(())
     }
@@ -226,7 +223,6 @@ fn finish(
             write_outputs(output, &spline, &mesh, &values, &names, &[])?;
         }
     }
-    clock.leave();
     let summary = Summary {
         checks,
         outcome: tally.outcome,
@@ -237,17 +233,11 @@ fn finish(
     record.dofs = tally.coefficients();
     record.warnings.extend(tally.warnings);
     let are_positions = over_time.animation.are_positions();
+    let knots = spline.spline.knot_places(&input.mesh);
     Ok(RunOutput {
-        record,
-        knots: spline.spline.knot_places(&input.mesh),
-        spline: Some(spline),
-        mesh,
-        values,
-        names,
-        fields: Vec::new(),
+        knots,
         frames: if are_positions { frames } else { Vec::new() },
-        companions: Vec::new(),
-        texture: None,
+        ..RunOutput::new(record, Some(spline), mesh, values, names)
     })
 }
 

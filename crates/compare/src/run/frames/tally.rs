@@ -1,16 +1,15 @@
 //! What is known of the frames of a run so far, and the measures over all of them.
 
-use std::collections::BTreeMap;
-
 use msplines_common::metrics::{UnitCubeError, VertexError, vertex_error};
 use msplines_common::progress::Outcome;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::ShownFrame;
 use crate::animation::Loaded;
 use crate::fit::Fitted;
 use crate::input::LoadedInput;
 use crate::measure::Measured;
+use crate::record::{Checks, named};
 
 /// What is known of the frames so far.
 pub(super) struct Tally {
@@ -125,7 +124,7 @@ impl Tally {
 
     /// Returns flat values of the record. Knots are a mean over the frames, as the paper has it;
     /// seconds are medians, of wall time.
-    pub(super) fn checks(&self) -> BTreeMap<String, Value> {
+    pub(super) fn checks(&self) -> Checks {
         let psnr = || self.errors.iter().filter_map(|error| error.psnr_db);
         let [construct, evaluate] = [0, 1].map(|part| {
             let mut seconds: Vec<f64> = self.seconds.iter().map(|pair| pair[part]).collect();
@@ -133,23 +132,22 @@ impl Tally {
             seconds.get(seconds.len() / 2).copied()
         });
         let knots = self.knots.iter().sum::<usize>() as f64;
-        let mut checks = vec![
+        let mut checks = named([
             ("frames", json!(self.knots.len())),
             ("knots", json!(knots / self.knots.len() as f64)),
             ("construct_seconds_median", json!(construct)),
             ("evaluate_seconds_median", json!(evaluate)),
-        ];
-        checks.extend(
-            self.factor_seconds
-                .map(|seconds| ("factor_seconds", json!(seconds))),
-        );
-        if let (Some(low), Some(high)) = (psnr().reduce(f64::min), psnr().reduce(f64::max)) {
-            checks.extend([("psnr_min_db", json!(low)), ("psnr_max_db", json!(high))]);
+        ]);
+        if let Some(seconds) = self.factor_seconds {
+            checks.extend(named([("factor_seconds", json!(seconds))]));
         }
-        let named = checks.into_iter();
-        named
-            .map(|(name, value)| (name.to_owned(), value))
-            .collect()
+        if let (Some(low), Some(high)) = (psnr().reduce(f64::min), psnr().reduce(f64::max)) {
+            checks.extend(named([
+                ("psnr_min_db", json!(low)),
+                ("psnr_max_db", json!(high)),
+            ]));
+        }
+        checks
     }
 }
 

@@ -1,25 +1,23 @@
 //! Runs of functions of single charts.
 
-use std::collections::BTreeMap;
-
 use msplines_common::Point3;
 use msplines_common::mesh::polygon::PolygonMesh;
 use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_common::metrics::{VertexError, vertex_error};
 use msplines_common::progress::Observer;
 use msplines_sparse_manifold::{ChartPoint, Local, LocalFunction, Star, fit_local};
-use serde_json::{Value, json};
+use serde_json::json;
 use sha2::{Digest, Sha256};
 
 use super::{Companion, check};
 use crate::case::{Case, ChartMethod, Input};
-use crate::clock::{PhaseClock, process_usage};
+use crate::clock::PhaseClock;
 use crate::error::RunError;
 use crate::generated::{ChartFunction, Height, Sampled, grid};
 use crate::input::hexadecimal;
 use crate::output::write_outputs;
-use crate::record::{InputFacts, InputKind, Record};
-use crate::run::{RunOutput, check_finite, enter};
+use crate::record::{Checks, InputFacts, InputKind, Record, named};
+use crate::run::{RunOutput, check_finite, enter, steps};
 use crate::spline_file::{SplineFile, StoredDomain, StoredLocal, StoredPolygons, StoredSpline};
 
 /// Atoms that are shown one by one.
@@ -62,38 +60,29 @@ pub(in crate::run) fn run(
     let error = dense.error().map_err(refused)?;
     let spline = stored_file(case, method, &domain, stored);
     let mut checks = checks(&sampled, &function);
-    let found = [
+    checks.extend(named([
         ("recovered", json!(recovered)),
         ("trials", json!(chart.trials())),
         ("function_rms", json!(error.rms)),
         ("function_max", json!(error.max)),
-    ];
-    checks.extend(found.map(|(name, value)| (name.to_owned(), value)));
+    ]));
     let mesh = domain.raised(&dense.found);
     let (values, fields) = (dense.found, dense.fields);
     let names = vec!["height".to_owned()];
     enter("write", clock, observer);
     write_outputs(&case.outputs, &spline, &mesh, &values, &names, &fields)?;
-    clock.leave();
-    let record = Record {
+    let mut record = Record {
         error: Some(error),
         dofs: function.support().len() as u64,
         checks,
-        seconds: clock.read(),
-        peak_rss_bytes: process_usage().peak_rss_bytes,
         ..record(case, chart, &spline)
     };
+    steps::finish(&mut record, clock);
     Ok(RunOutput {
-        record,
         companions: domain.companions(&dense.truth),
-        spline: Some(spline),
-        mesh,
-        values,
-        names,
         fields,
         knots: sampled.places(chart.star()),
-        frames: Vec::new(),
-        texture: None,
+        ..RunOutput::new(record, Some(spline), mesh, values, names)
     })
 }
 
@@ -140,19 +129,17 @@ fn search(chart: &ChartFunction, local: Local, seed: u64) -> Result<Searched, St
     })
 }
 
-fn checks(sampled: &Sampled, function: &LocalFunction) -> BTreeMap<String, Value> {
+fn checks(sampled: &Sampled, function: &LocalFunction) -> Checks {
     let (points, values) = (&sampled.points, &sampled.values);
     let residual = |(p, v): (&ChartPoint, &f64)| (function.value(*p) - v).powi(2);
     let squares: f64 = points.iter().zip(values).map(residual).sum();
     let shapes = function.atoms().iter().filter(|a| a.is_shape()).count();
-    let checks = [
+    named([
         ("samples", json!(points.len())),
         ("sample_rms", json!((squares / points.len() as f64).sqrt())),
         ("atoms", json!(function.support().len())),
         ("c0_atoms", json!(shapes)),
-    ];
-    let named = checks.map(|(name, value)| (name.to_owned(), value));
-    named.into_iter().collect()
+    ])
 }
 
 fn record(case: &Case, chart: &ChartFunction, spline: &SplineFile) -> Record {
@@ -170,7 +157,7 @@ fn record(case: &Case, chart: &ChartFunction, spline: &SplineFile) -> Record {
     };
     Record {
         domain_bytes: 4,
-        ..Record::start(case.method.name(), input, spline.options.clone(), case.seed)
+        ..steps::record(spline, &input, case.seed)
     }
 }
 

@@ -1,29 +1,29 @@
 //! Runs of sparse manifolds: from a control mesh or a scan to charts, and what they are compared with.
 
-mod chart;
+pub(super) mod chart;
 mod control;
 mod fields;
-mod network;
+pub(super) mod network;
 mod scan;
 
-use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use msplines_common::Point3;
 use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_common::metrics::{SurfaceTree, VertexError, distance, vertex_error};
-use msplines_common::progress::{Observer, Outcome};
+use msplines_common::progress::Observer;
 use msplines_sparse_manifold::{Fit, Report, SparseManifold, Tessellation, Tessellator, fit_to};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use super::{Evaluation, RunOutput, check_finite, enter};
-use crate::case::{Case, DomainStorage, Input, Method, SparseManifoldMethod, Task};
-use crate::clock::{PhaseClock, process_usage};
+use super::{Evaluation, RunOutput, check_finite, enter, steps};
+use crate::case::{Case, Data, DomainStorage, Input, SparseManifoldMethod, Task};
+use crate::clock::PhaseClock;
 use crate::error::RunError;
 use crate::fit::following;
 use crate::input::file_name;
-use crate::output::write_outputs;
-use crate::record::{InputFacts, Record};
+use crate::output::{check_outputs, coordinates, write_positions};
+use crate::record::{Checks, InputFacts, Record, named};
 use crate::spline_file::{SplineFile, StoredDomain, StoredManifold, StoredPolygons, StoredSpline};
 use control::Control;
 pub(crate) use control::creases_file;
@@ -50,27 +50,8 @@ pub struct Companion {
     pub fields: Vec<VertexAttribute>,
 }
 
-/// Runs a case whose method is a manifold; nothing for another one.
-pub(super) fn asked(
-    case: &Case,
-    clock: &mut PhaseClock,
-    observer: &mut Observer<'_>,
-) -> Option<Result<RunOutput, RunError>> {
-    match &case.method {
-        Method::SparseManifold(method) => Some(run(case, method, clock, observer)),
-        Method::CurveNetwork(method) => Some(network::run(case, method, clock, observer)),
-        Method::Chart(method) => Some(chart::run(case, method, clock, observer)),
-        Method::Biharmonic(_)
-        | Method::LsMesh { .. }
-        | Method::Trivariate(_)
-        | Method::Conformal(_)
-        | Method::PowellSabin(_)
-        | Method::TSpline(_) => None,
-    }
-}
-
 /// Runs a case whose method is a sparse manifold.
-fn run(
+pub(super) fn run(
     case: &Case,
     method: &SparseManifoldMethod,
     clock: &mut PhaseClock,
@@ -96,38 +77,26 @@ fn run(
         .restore(&control.mesh)?;
     enter("evaluate", clock, observer);
     let surface = Tessellator::build(&stored, method.cells.max(1)).surface(&stored);
-    let values = coordinates(&surface.positions);
-    check_finite(&values, 3)?;
     let mesh = triangles(&surface)?;
     enter("measure", clock, observer);
     let measured = problem.measure(&stored)?;
-    let mut record = record(case.seed, &problem.facts, &spline, &fit.report, &stored);
+    let mut record = record(case.seed, &problem.facts, &spline, &stored);
+    record.outcome = fit.report.outcome;
     record.checks = checks(&fit.report, &stored, control, &measured);
-    let points = ("evaluated_points".to_owned(), json!(mesh.vertex_count()));
-    record.checks.extend([points]);
+    record.check("evaluated_points", mesh.vertex_count());
     record.error = Some(measured.error);
     if let Some(scan) = &problem.scan {
         record.distance = Some(distance(scan, &mesh, SAMPLES, case.seed)?);
     }
     let fields = fields::fields(&stored, control, &surface, method)?;
     enter("write", clock, observer);
-    let names = ["x", "y", "z"].map(str::to_owned);
-    write_outputs(&case.outputs, &spline, &mesh, &values, &names, &fields)?;
-    clock.leave();
-    record.seconds = clock.read();
-    record.peak_rss_bytes = process_usage().peak_rss_bytes;
+    write(&case.outputs, &spline, &mesh, &fields)?;
+    steps::finish(&mut record, clock);
     record.warnings = problem.warnings.clone();
     Ok(RunOutput {
-        record,
         companions: companions(&problem, &stored, &mesh, method),
-        spline: Some(spline),
-        mesh,
-        values,
-        names: names.to_vec(),
         fields,
-        knots: Vec::new(),
-        frames: Vec::new(),
-        texture: None,
+        ..RunOutput::of_surface(record, Some(spline), mesh)
     })
 }
 
@@ -166,50 +135,25 @@ pub(super) fn evaluate(
     enter("evaluate", clock, observer);
     let stored = spline.spline.manifold("evaluation")?.restore(&mesh)?;
     let surface = Tessellator::build(&stored, 1 << evaluation.subdivide).surface(&stored);
-    let values = coordinates(&surface.positions);
-    check_finite(&values, 3)?;
     let triangles = triangles(&surface)?;
     enter("write", clock, observer);
-    let names = ["x", "y", "z"].map(str::to_owned).to_vec();
-    write_outputs(
-        &evaluation.outputs,
-        &spline,
-        &triangles,
-        &values,
-        &names,
-        &[],
-    )?;
-    clock.leave();
+    write(&evaluation.outputs, &spline, &triangles, &[])?;
     let facts = facts(&mesh, file_name(&evaluation.spline), control::digest(&mesh));
-    let empty = Report {
-        outcome: Outcome::Converged,
-        e_fit: Vec::new(),
-        observations: 0,
-        sweeps: 0,
-        frozen_sweeps: 0,
-        c0_atoms_crease: 0.0,
-        c0_atoms_smooth: 0.0,
-    };
-    let mut record = record(evaluation.seed, &facts, &spline, &empty, &stored);
-    let count = (
-        "evaluated_points".to_owned(),
-        json!(triangles.vertex_count()),
-    );
-    record.checks = BTreeMap::from([count]);
-    record.seconds = clock.read();
-    record.peak_rss_bytes = process_usage().peak_rss_bytes;
-    Ok(RunOutput {
-        record,
-        companions: Vec::new(),
-        spline: Some(spline),
-        mesh: triangles,
-        values,
-        names,
-        fields: Vec::new(),
-        knots: Vec::new(),
-        frames: Vec::new(),
-        texture: None,
-    })
+    let mut record = record(evaluation.seed, &facts, &spline, &stored);
+    record.check("evaluated_points", triangles.vertex_count());
+    steps::finish(&mut record, clock);
+    Ok(RunOutput::of_surface(record, Some(spline), triangles))
+}
+
+/// Writes a surface, or its spline, to every output.
+fn write(
+    outputs: &[PathBuf],
+    spline: &SplineFile,
+    mesh: &TriangleMesh,
+    fields: &[VertexAttribute],
+) -> Result<(), RunError> {
+    let mut outputs = outputs.iter();
+    outputs.try_for_each(|path| write_positions(path, spline, mesh, fields))
 }
 
 /// What is fitted and what it is compared with.
@@ -269,8 +213,10 @@ impl Problem {
     }
 }
 
-/// Tasks and data that only other methods have are refused.
+/// Outputs that could not be written later are refused before any work, and tasks and data that only
+/// other methods have.
 fn check(case: &Case) -> Result<(), RunError> {
+    check_outputs(&case.outputs)?;
     let refused = |task| {
         Err(RunError::Task {
             task,
@@ -278,7 +224,7 @@ fn check(case: &Case) -> Result<(), RunError> {
         })
     };
     match (&case.task, &case.data) {
-        (Task::Fit, crate::case::Data::Positions) => {}
+        (Task::Fit, Data::Positions) => {}
         (Task::Fit, _) => return refused("data other than positions"),
         _ => return refused("task beyond a fit"),
     }
@@ -288,17 +234,13 @@ fn check(case: &Case) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Returns points as `[point][coordinate]`.
-fn coordinates(points: &[Point3<f64>]) -> Vec<f64> {
-    points.iter().flat_map(|p| [p.x, p.y, p.z]).collect()
-}
-
+/// Returns a tessellation as a mesh.
+///
+/// # Errors
+/// A point that is not finite.
 fn triangles(surface: &Tessellation) -> Result<TriangleMesh, RunError> {
-    let positions = surface.positions.clone();
-    TriangleMesh::build(positions, surface.triangles.clone()).map_err(|e| RunError::Input {
-        file: "the tessellation".to_owned(),
-        reason: e.to_string(),
-    })
+    check_finite(&coordinates(&surface.positions), 3)?;
+    steps::tessellation(surface.positions.clone(), surface.triangles.clone())
 }
 
 fn domain(case: &Case, problem: &Problem) -> StoredDomain {
@@ -321,10 +263,7 @@ fn options(case: &Case, method: &SparseManifoldMethod) -> Value {
     options["polygons"] = json!(method.polygons);
     options["cells"] = json!(method.cells);
     options["scan"] = json!(method.scan);
-    options["data"] = json!(case.data);
-    options["seed"] = json!(case.seed);
-    options["repair"] = json!(matches!(case.input, Input::File { repair: true, .. }));
-    options
+    steps::options(case, options)
 }
 
 fn checks(
@@ -332,9 +271,9 @@ fn checks(
     spline: &SparseManifold,
     control: &Control,
     measured: &Measured,
-) -> BTreeMap<String, Value> {
+) -> Checks {
     let [edges, corners, darts] = control.sharp_counts();
-    let checks = [
+    named([
         ("e_fit", json!(report.e_fit.last())),
         ("e_fit_start", json!(report.e_fit.first())),
         ("observations", json!(report.observations)),
@@ -348,26 +287,14 @@ fn checks(
         ("crease_edges", json!(edges)),
         ("sharp_corners", json!(corners)),
         ("darts", json!(darts)),
-    ];
-    let named = checks.map(|(name, value)| (name.to_owned(), value));
-    named.into_iter().collect()
+    ])
 }
 
-fn record(
-    seed: u64,
-    facts: &InputFacts,
-    spline: &SplineFile,
-    report: &Report,
-    stored: &SparseManifold,
-) -> Record {
-    let mesh = stored.mesh();
-    let corners = mesh.topology().half_edge_count();
-    let options = spline.options.clone();
+fn record(seed: u64, facts: &InputFacts, spline: &SplineFile, stored: &SparseManifold) -> Record {
     Record {
-        outcome: report.outcome,
         dofs: stored.coefficient_count() as u64,
-        domain_bytes: (24 * mesh.vertex_count() + 4 * corners) as u64,
-        ..Record::start(spline.spline.method(), facts.clone(), options, seed)
+        domain_bytes: steps::polygon_bytes(stored.mesh()),
+        ..steps::record(spline, facts, seed)
     }
 }
 

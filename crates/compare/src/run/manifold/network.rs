@@ -1,6 +1,5 @@
 //! Runs of surfaces over curve networks.
 
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use msplines_common::Vector3;
@@ -11,19 +10,18 @@ use msplines_common::progress::Observer;
 use msplines_io::{read_curves, sha256_file};
 use msplines_sparse_manifold::network::{NetworkDomain, NetworkFit, surface_network};
 use msplines_sparse_manifold::{LimitSurface, SparseManifold, Tessellation, Tessellator};
-use serde_json::{Value, json};
+use serde_json::json;
 use sha2::{Digest, Sha256};
 
 use super::fields::edge_lines;
-use super::{Companion, check, coordinates, facts, triangles};
+use super::{Companion, check, facts, triangles, write};
 use crate::case::{Case, CurveNetworkMethod, Input};
-use crate::clock::{PhaseClock, process_usage};
+use crate::clock::PhaseClock;
 use crate::error::RunError;
 use crate::fit::following;
 use crate::input::{hexadecimal, input_name, unreadable};
-use crate::output::write_outputs;
-use crate::record::{InputFacts, InputKind, Record};
-use crate::run::{RunOutput, check_finite, enter};
+use crate::record::{Checks, InputFacts, InputKind, Record, named};
+use crate::run::{RunOutput, enter, steps};
 use crate::spline_file::{SplineFile, StoredDomain, StoredManifold, StoredPolygons, StoredSpline};
 
 /// Curves are drawn as bars of this radius, as a fraction of the diagonal.
@@ -68,8 +66,6 @@ pub(in crate::run) fn run(
     enter("evaluate", clock, observer);
     let cells = method.cells.max(1);
     let surface = Tessellator::build(&restored, cells).surface(&restored);
-    let values = coordinates(&surface.positions);
-    check_finite(&values, 3)?;
     let tessellated = triangles(&surface)?;
     enter("measure", clock, observer);
     let facts = facts(mesh, loaded.name.clone(), loaded.sha256.clone());
@@ -77,50 +73,27 @@ pub(in crate::run) fn run(
     record.checks.extend(shape_checks(&loaded, &fit, &restored));
     let fields = fields(&restored, &fit.domain, &surface)?;
     enter("write", clock, observer);
-    let names = ["x", "y", "z"].map(str::to_owned).to_vec();
-    write_outputs(
-        &case.outputs,
-        &spline,
-        &tessellated,
-        &values,
-        &names,
-        &fields,
-    )?;
-    clock.leave();
-    record.seconds = clock.read();
-    record.peak_rss_bytes = process_usage().peak_rss_bytes;
+    write(&case.outputs, &spline, &tessellated, &fields)?;
+    steps::finish(&mut record, clock);
     Ok(RunOutput {
-        record,
         companions: companions(&loaded, &fit.domain, cells),
-        spline: Some(spline),
-        mesh: tessellated,
-        values,
-        names,
         fields,
-        knots: Vec::new(),
-        frames: Vec::new(),
-        texture: None,
+        ..RunOutput::of_surface(record, Some(spline), tessellated)
     })
 }
 
 /// Returns how far the surface is from the one that its curves lie on.
-fn shape_checks(
-    loaded: &Loaded,
-    fit: &NetworkFit,
-    surface: &SparseManifold,
-) -> BTreeMap<String, Value> {
+fn shape_checks(loaded: &Loaded, fit: &NetworkFit, surface: &SparseManifold) -> Checks {
     let Some(truth) = &loaded.truth else {
-        return BTreeMap::new();
+        return Checks::new();
     };
     let error = truth.error(surface, COMPARED_CELLS);
     let unit = fit.report.unit;
-    let found = [
-        ("surface_rms", error.rms / unit),
-        ("surface_max", error.max / unit),
-        ("normals_mean_degrees", error.normals_degrees),
-    ];
-    let named = found.map(|(name, value)| (name.to_owned(), json!(value)));
-    named.into_iter().collect()
+    named([
+        ("surface_rms", json!(error.rms / unit)),
+        ("surface_max", json!(error.max / unit)),
+        ("normals_mean_degrees", json!(error.normals_degrees)),
+    ])
 }
 
 fn load(case: &Case) -> Result<Loaded, RunError> {
@@ -252,7 +225,6 @@ fn bars(network: &CurveNetwork) -> Option<Companion> {
 }
 
 fn record(case: &Case, fit: &NetworkFit, spline: &SplineFile, facts: InputFacts) -> Record {
-    let mesh = fit.spline.mesh();
     let mut warnings = fit.cycles.report.warnings.clone();
     warnings.extend(fit.report.warnings.iter().cloned());
     let input = InputFacts {
@@ -262,7 +234,7 @@ fn record(case: &Case, fit: &NetworkFit, spline: &SplineFile, facts: InputFacts)
     Record {
         outcome: fit.report.outcome,
         dofs: fit.spline.coefficient_count() as u64,
-        domain_bytes: (24 * mesh.vertex_count() + 4 * mesh.topology().half_edge_count()) as u64,
+        domain_bytes: steps::polygon_bytes(fit.spline.mesh()),
         checks: checks(fit),
         warnings,
         ..Record::start(case.method.name(), input, spline.options.clone(), case.seed)
@@ -270,9 +242,9 @@ fn record(case: &Case, fit: &NetworkFit, spline: &SplineFile, facts: InputFacts)
 }
 
 /// Distances in mean arc lengths, angles in degrees.
-fn checks(fit: &NetworkFit) -> BTreeMap<String, Value> {
+fn checks(fit: &NetworkFit) -> Checks {
     let (report, cycles) = (&fit.report, &fit.cycles.report);
-    let checks = [
+    named([
         ("charts", json!(report.charts)),
         ("patches", json!(cycles.patches)),
         ("openings", json!(cycles.holes)),
@@ -295,7 +267,5 @@ fn checks(fit: &NetworkFit) -> BTreeMap<String, Value> {
         ("c0_atoms_crease", json!(report.c0_atoms_crease)),
         ("c0_atoms_smooth", json!(report.c0_atoms_smooth)),
         ("fill_rounds", json!(report.fill_rounds)),
-    ];
-    let named = checks.map(|(name, value)| (name.to_owned(), value));
-    named.into_iter().collect()
+    ])
 }

@@ -1,20 +1,19 @@
 //! Fits over a conformal atlas.
 
-use std::collections::BTreeMap;
-
 use msplines_common::progress::{Observer, Outcome};
 use msplines_common::{Point3, Vector3};
 use msplines_conformal::{AtlasReport, SurfaceAtlas};
 use msplines_powell_sabin::surface::{Filled, SurfaceReport};
 use msplines_powell_sabin::{Report, VertexCondition, fit_surface};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::Produced;
 use crate::case::{Case, PowellSabinMethod};
 use crate::clock::PhaseClock;
-use crate::error::{PowellSabinError, RunError};
+use crate::error::RunError;
 use crate::fit::following;
 use crate::input::{LoadedInput, vertex_normals};
+use crate::record::{Checks, named};
 use crate::run::{conformal, enter};
 
 /// Fits a surface through the vertices of the input and their normals.
@@ -32,8 +31,7 @@ pub(super) fn fitted(
     enter("fit", clock, observer);
     let fit = {
         let mut timed = following(&["fit"], clock, observer);
-        fit_surface(&found.atlas, &conditions, &method.surface, &mut timed)
-            .map_err(PowellSabinError::from)?
+        fit_surface(&found.atlas, &conditions, &method.surface, &mut timed)?
     };
     let mut warnings = normals.warnings;
     warnings.extend(about(&found.report, &fit.report));
@@ -87,7 +85,7 @@ fn about(atlas: &AtlasReport, report: &SurfaceReport) -> Vec<String> {
     warnings
 }
 
-fn checks(atlas: &AtlasReport, report: &SurfaceReport) -> BTreeMap<String, Value> {
+fn checks(atlas: &AtlasReport, report: &SurfaceReport) -> Checks {
     let filled = |which: fn(&Filled) -> bool| {
         json!(
             report
@@ -97,7 +95,7 @@ fn checks(atlas: &AtlasReport, report: &SurfaceReport) -> BTreeMap<String, Value
                 .count()
         )
     };
-    let named = [
+    let mut checks = named([
         ("genus", json!(atlas.genus)),
         ("zeros", json!(atlas.zeros)),
         ("flips", json!(atlas.flips)),
@@ -113,20 +111,17 @@ fn checks(atlas: &AtlasReport, report: &SurfaceReport) -> BTreeMap<String, Value
             "minimal_caps",
             filled(|f| matches!(f, Filled::Minimal { .. })),
         ),
-    ];
-    let mut checks: BTreeMap<String, Value> =
-        named.map(|(name, value)| (name.to_owned(), value)).into();
+    ]);
     checks.extend(of_fit(&report.regular));
     checks
 }
 
 /// Returns what a fit says of itself.
-pub(super) fn of_fit(report: &Report) -> BTreeMap<String, Value> {
-    let named = [
+pub(super) fn of_fit(report: &Report) -> Checks {
+    named([
         ("violations_before", json!(report.violations_before)),
         ("repair_rounds", json!(report.repair_rounds)),
         ("residual", json!(report.residual)),
         ("unknowns", json!(report.unknowns)),
-    ];
-    named.map(|(name, value)| (name.to_owned(), value)).into()
+    ])
 }

@@ -5,10 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use msplines_common::Point3;
 use msplines_common::mesh::{NONE, TriangleMesh};
 use msplines_powell_sabin::{PowellSabinSurface, Tessellation};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::edits::{nearest, place};
 use super::pictures::{bare, edges_on_surface};
+use crate::record::{Checks, named};
 use crate::run::{Companion, RunOutput};
 
 /// Rings of faces around the middle of a chart.
@@ -63,7 +64,7 @@ impl Charts {
 
     /// Returns how many faces the charts share, and how far their transition is from a translation,
     /// over the width of the first.
-    pub(super) fn checks(&self) -> BTreeMap<String, Value> {
+    pub(super) fn checks(&self) -> Checks {
         let [first, second] = &self.charts;
         let shifts: Vec<[f64; 2]> = first
             .places
@@ -76,12 +77,10 @@ impl Charts {
         });
         let spread = spread.fold(0.0, f64::max) / first.width();
         let shared = first.faces.intersection(&second.faces).count();
-        [
+        named([
             ("shared_faces", json!(shared)),
             ("transition_spread", json!(spread)),
-        ]
-        .map(|(name, value)| (name.to_owned(), value))
-        .into()
+        ])
     }
 
     /// Adds the charts to what pictures of a run show.

@@ -5,13 +5,14 @@ use msplines_common::{Point3, Vector3};
 use msplines_powell_sabin::{
     EditError, NewVertex, PowellSabinSpline, PowellSabinSurface, VertexCondition,
 };
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::Produced;
 use super::plane::surface;
 use super::reach::{Reach, Step};
+use super::{Produced, SPLINE};
 use crate::case::SplineEdit;
-use crate::error::{PowellSabinError, RunError};
+use crate::error::RunError;
+use crate::record::{Checks, named};
 
 /// A change of a Powell-Sabin spline at a place, in the coordinates of its mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,7 +100,7 @@ pub(super) struct Edited {
     /// What the surface does now at changed vertices; new ones in their order.
     conditions: Vec<(u32, VertexCondition)>,
     /// How far the changes reach.
-    pub(super) checks: Vec<(String, Value)>,
+    pub(super) checks: Checks,
 }
 
 /// Changes a surface without holes.
@@ -108,16 +109,16 @@ pub(super) struct Edited {
 /// A surface with holes, or a change that is none.
 pub(super) fn edited(before: &PowellSabinSurface, changes: &[Change]) -> Result<Edited, RunError> {
     if !before.caps().is_empty() {
-        let (what, remedy) = (
+        return Err(RunError::without(
+            SPLINE,
             "edits where its form has zeros",
             "leave them out, or take a torus or a surface with a boundary",
-        );
-        return Err(PowellSabinError::FitOnly { what, remedy }.into());
+        ));
     }
     let mut spline = before.regular().clone();
     let (mut steps, mut vertices, mut conditions) = (Vec::new(), Vec::new(), Vec::new());
     for change in changes {
-        let made = Made::by(&spline, change).map_err(PowellSabinError::from)?;
+        let made = Made::by(&spline, change)?;
         spline = made.spline;
         vertices.push(made.vertex);
         conditions.extend(made.condition.map(|condition| (made.vertex, condition)));
@@ -125,18 +126,18 @@ pub(super) fn edited(before: &PowellSabinSurface, changes: &[Change]) -> Result<
     }
     let surface = surface(&spline)?;
     let reach = Reach::measure(before, &surface, &steps, &vertices);
-    let checks = [
+    let checks = named([
         ("edits", json!(changes.len())),
         ("changed_faces", json!(reach.changed)),
         ("faces", json!(reach.faces)),
         ("largest_movement", json!(reach.largest)),
         ("movement_beyond", json!(reach.beyond)),
-    ];
+    ]);
     Ok(Edited {
         surface,
         vertices,
         conditions,
-        checks: checks.map(|(name, value)| (name.to_owned(), value)).into(),
+        checks,
     })
 }
 

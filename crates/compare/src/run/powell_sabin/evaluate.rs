@@ -3,12 +3,14 @@
 use msplines_common::progress::Observer;
 
 use super::edits;
-use super::write::{Written, check, vertex_positions, write};
-use super::{MOST_SEGMENTS, SHOWN_SEGMENTS, output, record_of};
+use super::write::{Written, vertex_positions, write};
+use super::{SHOWN_SEGMENTS, SPLINE, output, record_of};
 use crate::clock::PhaseClock;
-use crate::error::{PowellSabinError, RunError};
+use crate::error::RunError;
 use crate::input::load_domain;
-use crate::run::{Evaluation, RunOutput, enter};
+use crate::output::check_outputs;
+use crate::record::Checks;
+use crate::run::{Evaluation, RunOutput, enter, steps};
 use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
 
 /// Evaluates a stored surface and writes it.
@@ -18,25 +20,14 @@ pub(in crate::run) fn evaluate(
     clock: &mut PhaseClock,
     observer: &mut Observer<'_>,
 ) -> Result<RunOutput, RunError> {
-    let refused = |what, remedy| Err(PowellSabinError::FitOnly { what, remedy }.into());
-    if evaluation.sum.is_some() || !evaluation.shifts.is_empty() {
-        return refused("sums and moves of knots", "leave them out");
-    }
-    if evaluation.at.is_some() || !evaluation.moved.is_empty() || evaluation.subdivide > 0 {
-        return refused(
-            "parameters and subdivision",
-            "leave them out, or give --tessellate",
-        );
-    }
+    evaluation.check_tessellated(SPLINE)?;
     let segments = evaluation.cells.map(|cells| cells as u32);
-    if let Some(segments) = segments.filter(|n| !(1..=MOST_SEGMENTS).contains(n)) {
-        return Err(PowellSabinError::Segments { segments }.into());
-    }
-    check(&evaluation.outputs)?;
+    steps::check_segments(segments)?;
+    check_outputs(&evaluation.outputs)?;
     let input = load_domain(&file, evaluation.mesh.as_deref(), &evaluation.spline, clock)?;
     enter("evaluate", clock, observer);
     let mut spline = file.spline.powell_sabin(&input.mesh)?;
-    let (mut file, mut checks) = (file, Vec::new());
+    let (mut file, mut checks) = (file, Checks::new());
     if !evaluation.changes.is_empty() {
         let edited = edits::edited(&spline, &evaluation.changes)?;
         (spline, checks) = (edited.surface, edited.checks);

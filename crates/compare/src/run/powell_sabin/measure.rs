@@ -1,26 +1,22 @@
 //! What is measured of a Powell-Sabin spline.
 
-use std::collections::BTreeMap;
-
 use msplines_common::mesh::{NONE, SurfacePoint, Topology, TriangleMesh};
-use msplines_common::metrics::{Distance, distance};
+use msplines_common::metrics::Distance;
 use msplines_powell_sabin::PowellSabinSurface;
 use msplines_powell_sabin::surface::SurfaceChecks;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::tessellation;
+use super::triangles;
 use crate::error::RunError;
+use crate::measure::{Tessellated, settled_distance};
+use crate::record::{Checks, named};
 
-/// Points drawn from each surface.
-const SAMPLES: usize = 100_000;
-/// The tessellation is fine enough once halving it changes the root mean square by less than this.
-const SETTLED: f64 = 0.01;
-/// Nor does halving go beyond so many triangles.
+/// The distance is measured to a tessellation of at most so many triangles.
 const MOST_TRIANGLES: usize = 2_000_000;
 
 /// Returns the checks of a surface by name.
-pub(super) fn surface(checks: &SurfaceChecks) -> BTreeMap<String, Value> {
-    let named = [
+pub(super) fn surface(checks: &SurfaceChecks) -> Checks {
+    named([
         ("position_max", json!(checks.position_max)),
         ("normal_max", json!(checks.normal_max)),
         ("c1_jump_max", json!(checks.c1_jump_max)),
@@ -34,8 +30,7 @@ pub(super) fn surface(checks: &SurfaceChecks) -> BTreeMap<String, Value> {
         ),
         ("folded_samples", json!(checks.folded_samples)),
         ("samples", json!(checks.samples)),
-    ];
-    named.map(|(name, value)| (name.to_owned(), value)).into()
+    ])
 }
 
 /// Points along an edge of a rim at which normals are compared.
@@ -79,25 +74,19 @@ pub(super) fn rim_angle(spline: &PowellSabinSurface) -> Option<f64> {
     largest
 }
 
-/// Returns the two-sided distance between the surface, halved until that changes little, and a mesh.
+/// Returns the two-sided distance between the surface and a mesh.
 pub(super) fn distance_to(
     spline: &PowellSabinSurface,
     mesh: &TriangleMesh,
     seed: u64,
 ) -> Result<Distance, RunError> {
-    let mut segments = 1;
-    let mut coarser: Option<Distance> = None;
-    loop {
-        let found = distance(mesh, &tessellation(spline, segments), SAMPLES, seed)?;
-        let settled =
-            coarser.is_some_and(|before| (found.rms - before.rms).abs() <= SETTLED * before.rms);
-        let finer = 4 * (segments * segments) as usize * spline.mesh().face_count();
-        if settled || finer > MOST_TRIANGLES {
-            return Ok(found);
-        }
-        coarser = Some(found);
-        segments *= 2;
-    }
+    settled_distance(mesh, seed, |rounds| {
+        let finer = spline.mesh().face_count() << (2 * rounds + 2);
+        Ok(Tessellated {
+            mesh: triangles(&spline.tessellate(1 << rounds)),
+            is_finest: finer > MOST_TRIANGLES,
+        })
+    })
 }
 
 #[cfg(test)]

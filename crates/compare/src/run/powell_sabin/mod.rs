@@ -10,22 +10,19 @@ mod plane;
 mod reach;
 mod write;
 
-use std::collections::BTreeMap;
-
 use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
-use msplines_common::metrics::{unit_cube_error, vertex_error};
 use msplines_common::progress::{Observer, Outcome};
 use msplines_powell_sabin::{PowellSabinSurface, Tessellation, VertexCondition};
 use serde_json::{Value, json};
 
-use super::{RunOutput, enter, prepared};
-use crate::case::{Case, Data, Input, Layout, Method, PowellSabinMethod, Task};
-use crate::clock::{PhaseClock, process_usage};
-use crate::error::{PowellSabinError, RunError};
+use super::{RunOutput, enter, prepared, steps};
+use crate::case::{Case, Layout, PowellSabinMethod};
+use crate::clock::PhaseClock;
+use crate::error::RunError;
 use crate::input::{LoadedInput, load};
-use crate::measure::to_reference;
-use crate::record::Record;
+use crate::output::check_outputs;
+use crate::record::{Checks, Record};
 use crate::spline_file::{SplineFile, StoredDomain, StoredMesh, StoredSpline};
 use write::Written;
 
@@ -34,25 +31,14 @@ pub(super) use evaluate::evaluate;
 
 /// Random points at which jumps and folds are looked for.
 const SAMPLES: usize = 20_000;
-/// Most segments along a side of a face.
-const MOST_SEGMENTS: u32 = 64;
 /// Fewest and most segments along a side of a face in pictures.
 const SHOWN_SEGMENTS: u32 = 4;
 const MOST_SHOWN_SEGMENTS: u32 = 24;
 /// Triangles in pictures, about, between those bounds.
 const SHOWN_TRIANGLES: f64 = 400_000.0;
 
-/// Runs a case whose method is a Powell-Sabin spline; nothing for another one.
-pub(super) fn asked(
-    case: &Case,
-    clock: &mut PhaseClock,
-    observer: &mut Observer<'_>,
-) -> Option<Result<RunOutput, RunError>> {
-    match &case.method {
-        Method::PowellSabin(method) => Some(run(case, method, clock, observer)),
-        _ => None,
-    }
-}
+/// What refusals call these splines.
+const SPLINE: &str = "a Powell-Sabin spline";
 
 /// A surface, and what is known of it before it is measured.
 struct Produced {
@@ -66,11 +52,12 @@ struct Produced {
     /// Outline of the faces that a basis function lives on.
     molecule: Vec<[u32; 2]>,
     outcome: Outcome,
-    checks: BTreeMap<String, Value>,
+    checks: Checks,
     warnings: Vec<String>,
 }
 
-fn run(
+/// Runs a case whose method is a Powell-Sabin spline.
+pub(super) fn run(
     case: &Case,
     method: &PowellSabinMethod,
     clock: &mut PhaseClock,
@@ -106,7 +93,10 @@ fn run(
     if method.basis.is_none() {
         errors(&mut record, &input, &at_vertices, &produced.origins);
     }
-    distances(&mut record, case, &input, (&stored, &triangles(&shown)))?;
+    let meshes = [&input.mesh, &triangles(&shown)];
+    steps::distances(&mut record, case, meshes, || {
+        measure::distance_to(&stored, &input.mesh, case.seed)
+    })?;
     enter("write", clock, observer);
     let written = Written {
         file: &spline,
@@ -147,7 +137,7 @@ fn fill_in(
     let checks = stored.measure(&produced.conditions, record.seed, SAMPLES);
     record.checks.extend(measure::surface(&checks));
     if let Some(angle) = measure::rim_angle(stored) {
-        record.checks.insert("rim_angle".to_owned(), json!(angle));
+        record.check("rim_angle", angle);
     }
 }
 
@@ -160,71 +150,27 @@ fn output(
     spline: &PowellSabinSurface,
     clock: &mut PhaseClock,
 ) -> RunOutput {
-    clock.leave();
-    let points = json!(at_vertices.vertex_count());
-    record.checks.insert("evaluated_points".to_owned(), points);
-    record.seconds = clock.read();
-    record.peak_rss_bytes = process_usage().peak_rss_bytes;
-    let fields = pictures::normals(&shown.normals);
-    let companions = pictures::companions(spline, shown);
-    let mesh = triangles(shown);
+    record.check("evaluated_points", at_vertices.vertex_count());
+    steps::finish(&mut record, clock);
     RunOutput {
-        record,
-        spline: Some(file),
-        values: coordinates(&mesh),
-        mesh,
-        names: ["x", "y", "z"].map(str::to_owned).to_vec(),
-        fields,
-        knots: Vec::new(),
-        frames: Vec::new(),
-        companions,
-        texture: None,
+        fields: pictures::normals(&shown.normals),
+        companions: pictures::companions(spline, shown),
+        ..RunOutput::of_surface(record, Some(file), triangles(shown))
     }
-}
-
-/// Fills in the distances between surfaces that are asked for.
-fn distances(
-    record: &mut Record,
-    case: &Case,
-    input: &LoadedInput,
-    (stored, shown): (&PowellSabinSurface, &TriangleMesh),
-) -> Result<(), RunError> {
-    if case.measure_distance {
-        record.distance = Some(measure::distance_to(stored, &input.mesh, case.seed)?);
-    }
-    if let Some(path) = &case.reference {
-        let values = coordinates(shown);
-        let measured = to_reference(path, &input.mesh, shown, &values, case.seed)?;
-        record.checks.extend(measured);
-    }
-    Ok(())
 }
 
 /// Tasks, data and options that mean nothing here are refused, and outputs before any work.
 fn check(case: &Case, method: &PowellSabinMethod) -> Result<(), RunError> {
-    let refused = |what, remedy| Err(PowellSabinError::FitOnly { what, remedy }.into());
-    if case.task != Task::Fit {
-        return refused("task beyond a fit", "leave it out");
-    }
-    if case.data != Data::Positions {
-        return refused("data other than positions", "leave them out");
-    }
-    if case.double_cover || case.subdivide > 0 {
-        return refused("cover or subdivision of its input", "leave them out");
-    }
+    steps::check_plain_fit(case, SPLINE)?;
     if method.basis.is_some() && method.layout != Layout::Plane {
-        return refused(
+        return Err(RunError::without(
+            SPLINE,
             "single basis function over an atlas",
             "give `layout = \"plane\"` with it",
-        );
+        ));
     }
-    if let Some(segments) = method
-        .tessellate
-        .filter(|n| !(1..=MOST_SEGMENTS).contains(n))
-    {
-        return Err(PowellSabinError::Segments { segments }.into());
-    }
-    write::check(&case.outputs)
+    steps::check_segments(method.tessellate)?;
+    check_outputs(&case.outputs)
 }
 
 fn options(case: &Case, method: &PowellSabinMethod) -> Value {
@@ -236,11 +182,8 @@ fn options(case: &Case, method: &PowellSabinMethod) -> Value {
     options["basis"] = json!(method.basis);
     options["charts"] = json!(method.charts);
     options["edits"] = json!(method.edits);
-    options["data"] = json!(case.data);
-    options["seed"] = json!(case.seed);
     options["refine"] = json!(case.refine);
-    options["repair"] = json!(matches!(case.input, Input::File { repair: true, .. }));
-    options
+    steps::options(case, options)
 }
 
 /// Returns what a record says of a surface alone.
@@ -252,11 +195,10 @@ fn record_of(
 ) -> Record {
     let mesh = stored.mesh();
     let vectors = 48 * mesh.face_count();
-    let options = spline.options.clone();
     Record {
         dofs: stored.dofs() as u64,
-        domain_bytes: (24 * mesh.vertex_count() + 12 * mesh.face_count() + vectors) as u64,
-        ..Record::start(spline.spline.method(), input.facts.clone(), options, seed)
+        domain_bytes: steps::triangle_bytes(mesh) + vectors as u64,
+        ..steps::record(spline, &input.facts, seed)
     }
 }
 
@@ -268,23 +210,16 @@ fn errors(
     origins: &[Option<u32>],
 ) {
     let known: Vec<usize> = origins.iter().flatten().map(|&v| v as usize).collect();
-    let pick = |mesh: &TriangleMesh, at: &dyn Fn(usize) -> usize| -> Vec<f64> {
-        let points = (0..known.len()).map(|i| mesh.positions()[at(i)]);
-        points.flat_map(|p| [p.x, p.y, p.z]).collect()
+    let pick = |mesh: &TriangleMesh, at: &dyn Fn(usize) -> usize| -> Vec<Point3<f64>> {
+        (0..known.len()).map(|i| mesh.positions()[at(i)]).collect()
     };
     let all = known.len() == input.mesh.vertex_count();
     let fitted = pick(at_vertices, &|i| if all { known[i] } else { i });
     let data = pick(&input.mesh, &|i| known[i]);
-    let [low, high] = input.mesh.bounding_box();
-    record.error = vertex_error(&fitted, &data, 3, input.mesh.diagonal()).ok();
-    record.error_unit_cube = unit_cube_error(&fitted, &data, (high - low).max()).ok();
+    steps::errors(record, [&fitted, &data], &input.mesh);
 }
 
 /// The surface as triangles.
-fn tessellation(spline: &PowellSabinSurface, segments: u32) -> TriangleMesh {
-    triangles(&spline.tessellate(segments))
-}
-
 fn triangles(tessellation: &Tessellation) -> TriangleMesh {
     let mesh = TriangleMesh::build(tessellation.positions.clone(), tessellation.faces.clone());
     mesh.expect("faces of a manifold split alike are one")
@@ -294,11 +229,4 @@ fn triangles(tessellation: &Tessellation) -> TriangleMesh {
 fn segments(spline: &PowellSabinSurface) -> u32 {
     let even = (SHOWN_TRIANGLES / spline.mesh().face_count() as f64).sqrt();
     (even as u32).clamp(SHOWN_SEGMENTS, MOST_SHOWN_SEGMENTS)
-}
-
-fn coordinates(mesh: &TriangleMesh) -> Vec<f64> {
-    mesh.positions()
-        .iter()
-        .flat_map(|p| [p.x, p.y, p.z])
-        .collect()
 }

@@ -5,18 +5,18 @@ use msplines_common::progress::{Observer, Outcome};
 use msplines_common::{Point3, Vector3};
 use msplines_powell_sabin::surface::SurfaceParts;
 use msplines_powell_sabin::{
-    Basis, DomainError, FitError, FlatDomain, PowellSabinSpline, PowellSabinSurface, SurfaceError,
-    VertexCondition, fit,
+    Basis, FlatDomain, PowellSabinSpline, PowellSabinSurface, SurfaceError, VertexCondition, fit,
 };
 use serde_json::json;
 
 use super::edits::{nearest, place};
-use super::{Produced, atlas};
+use super::{Produced, SPLINE, atlas};
 use crate::case::{BasisFunction, PowellSabinMethod};
 use crate::clock::PhaseClock;
-use crate::error::{PowellSabinError, RunError};
+use crate::error::RunError;
 use crate::fit::following;
 use crate::input::{LoadedInput, vertex_normals};
+use crate::record::named;
 use crate::run::enter;
 
 /// Height of the graph of a function that is 1, over the diagonal of its domain.
@@ -36,7 +36,7 @@ pub(super) fn fitted(
     let fit = {
         let mut timed = following(&["fit"], clock, observer);
         let options = &method.surface.spline;
-        fit(&domain, &conditions, options, &mut timed).map_err(refused)?
+        fit(&domain, &conditions, options, &mut timed).map_err(SurfaceError::Fit)?
     };
     let mut produced = produced(surface(&fit.spline)?, conditions);
     produced.outcome = fit.report.outcome;
@@ -57,7 +57,7 @@ pub(super) fn basis_function(
     let vertex = nearest(mesh.positions(), &place(mesh, function.at));
     if function.corner > 2 {
         let (what, remedy) = ("fourth corner of a control triangle", "give 0, 1 or 2");
-        return Err(PowellSabinError::FitOnly { what, remedy }.into());
+        return Err(RunError::without(SPLINE, what, remedy));
     }
     let basis = Basis::new(&domain).function(vertex, function.corner);
     let height = HEIGHT * mesh.diagonal();
@@ -81,7 +81,10 @@ pub(super) fn basis_function(
         &msplines_powell_sabin::Options::default(),
         &mut msplines_common::progress::unobserved(),
     );
-    let mut produced = produced(surface(&graph.map_err(refused)?.spline)?, conditions);
+    let mut produced = produced(
+        surface(&graph.map_err(SurfaceError::Fit)?.spline)?,
+        conditions,
+    );
     let topology = mesh.topology();
     let star: Vec<u32> = topology.outgoing(vertex).collect();
     produced
@@ -100,8 +103,7 @@ fn domain(mesh: &TriangleMesh) -> Result<FlatDomain, RunError> {
     let sides = mesh.faces().iter();
     let sides = sides.flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(side));
     let domain = FlatDomain::build(mesh.clone(), sides.collect());
-    Ok(domain
-        .map_err(|error: DomainError| PowellSabinError::Surface(SurfaceError::Domain(error)))?)
+    Ok(domain.map_err(SurfaceError::Domain)?)
 }
 
 /// Returns the surface that a spline without holes is.
@@ -115,7 +117,7 @@ pub(super) fn surface(spline: &PowellSabinSpline) -> Result<PowellSabinSurface, 
         holes: Vec::new(),
     };
     let surface = PowellSabinSurface::from_parts(domain.mesh().clone(), &parts);
-    Ok(surface.map_err(PowellSabinError::from)?)
+    Ok(surface?)
 }
 
 fn produced(surface: PowellSabinSurface, conditions: Vec<VertexCondition>) -> Produced {
@@ -126,13 +128,7 @@ fn produced(surface: PowellSabinSurface, conditions: Vec<VertexCondition>) -> Pr
         marks: Vec::new(),
         molecule: Vec::new(),
         outcome: Outcome::Converged,
-        checks: [("zeros", json!(0)), ("holes", json!(0))]
-            .map(|(name, value)| (name.to_owned(), value))
-            .into(),
+        checks: named([("zeros", json!(0)), ("holes", json!(0))]),
         warnings: Vec::new(),
     }
-}
-
-fn refused(error: FitError) -> PowellSabinError {
-    PowellSabinError::Surface(SurfaceError::Fit(error))
 }

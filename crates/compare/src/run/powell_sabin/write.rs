@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use msplines_common::Point3;
 use msplines_common::evaluate::{Order, Samples, SurfaceSpline};
 use msplines_common::mesh::{SurfacePoint, TriangleMesh};
-use msplines_io::{Surface, write_atomically, write_cells, write_surface};
+use msplines_io::{Surface, write_cells, write_surface};
 use msplines_powell_sabin::PowellSabinSurface;
 
 use crate::error::RunError;
-use crate::output::{check_outputs, extension, is_array, write_array};
+use crate::output::{extension, write_positions};
 use crate::spline_file::SplineFile;
 
 /// What can be written.
@@ -22,11 +22,6 @@ pub(super) struct Written<'a> {
     pub(super) segments: Option<u32>,
     /// The surface at the vertices of the input.
     pub(super) at_vertices: &'a TriangleMesh,
-}
-
-/// Checks before any work that every output has a known format and a folder.
-pub(super) fn check(outputs: &[PathBuf]) -> Result<(), RunError> {
-    check_outputs(outputs)
 }
 
 /// Returns the surface at the vertices of the input, joined by its faces; where stars were removed, at
@@ -77,30 +72,15 @@ pub(super) fn write(outputs: &[PathBuf], written: &Written<'_>) -> Result<(), Ru
 }
 
 fn write_one(path: &Path, written: &Written<'_>) -> Result<(), RunError> {
-    let refused = |reason: String| RunError::Write {
-        path: path.to_owned(),
-        reason,
-    };
-    if is_array(path) {
-        let mesh = written.at_vertices;
-        let values = mesh.positions().iter().flat_map(|p| [p.x, p.y, p.z]);
-        return write_array(path, vec![mesh.vertex_count(), 3], values.collect());
-    }
     match (extension(path).as_str(), written.segments) {
-        ("json", _) => write_atomically(path, |out| written.file.write(out)),
         ("vtu", _) => {
             let cells = written
                 .spline
                 .bezier_cells(PowellSabinSurface::CELL_TOLERANCE);
             write_cells(path, &cells.cells, &[], &[])
         }
-        (_, None) => {
-            let surface = Surface {
-                positions: written.at_vertices.positions(),
-                faces: written.at_vertices.faces(),
-                ..Surface::default()
-            };
-            write_surface(path, &surface)
+        ("json" | "npy", _) | (_, None) => {
+            return write_positions(path, written.file, written.at_vertices, &[]);
         }
         (_, Some(segments)) => {
             let tessellation = written.spline.tessellate(segments);
@@ -113,5 +93,5 @@ fn write_one(path: &Path, written: &Written<'_>) -> Result<(), RunError> {
             write_surface(path, &surface)
         }
     }
-    .map_err(|error| refused(error.to_string()))
+    .map_err(RunError::unwritten(path))
 }

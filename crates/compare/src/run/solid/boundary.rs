@@ -7,6 +7,7 @@ use msplines_trivariate::domain::cube::face_axes;
 use rayon::prelude::*;
 
 use crate::error::RunError;
+use crate::run::steps::tessellation;
 
 /// The surface of the cube, cut into squares of two triangles each; the six faces share the vertices of
 /// their edges.
@@ -116,10 +117,7 @@ impl CubeSurface {
     /// The surface of a solid.
     pub(super) fn of(&self, spline: &TrivariateSpline) -> Result<TriangleMesh, RunError> {
         let positions = positions(spline, &self.parameters());
-        TriangleMesh::build(positions, self.triangles()).map_err(|e| RunError::Input {
-            file: "the tessellation".to_owned(),
-            reason: e.to_string(),
-        })
+        tessellation(positions, self.triangles())
     }
 }
 

@@ -14,13 +14,14 @@ use msplines_trivariate::validity::certify;
 use serde_json::json;
 
 use super::write::Written;
-use super::{finish, measure, output, pictures, record, squares, write};
+use super::{measure, pictures, record, squares, write};
 use crate::case::{Case, TrivariateMethod};
 use crate::clock::PhaseClock;
-use crate::error::{RunError, TrivariateError};
+use crate::error::RunError;
 use crate::fit::following;
 use crate::input::solid::LoadedSolid;
-use crate::run::{Companion, RunOutput, enter};
+use crate::record::{Checks, named};
+use crate::run::{Companion, RunOutput, enter, steps};
 use crate::spline_file::{SplineFile, StoredCube, StoredDomain, StoredSpline, StoredTrivariate};
 
 /// Layers of cells at the poles and around the axis that count as lying there.
@@ -82,10 +83,13 @@ pub(super) fn run(
         fields: &[],
     };
     write::write(&case.outputs, &written)?;
-    clock.leave();
     record.warnings.clone_from(&input.warnings);
-    finish(&mut record, &mesh, clock);
-    Ok(output(record, file, mesh, Vec::new(), companions))
+    record.check("evaluated_points", mesh.vertex_count());
+    steps::finish(&mut record, clock);
+    Ok(RunOutput {
+        companions,
+        ..RunOutput::of_surface(record, Some(file), mesh)
+    })
 }
 
 fn fitted(
@@ -95,8 +99,8 @@ fn fitted(
     observer: &mut Observer<'_>,
 ) -> Result<(CylinderMap, CylinderFit), RunError> {
     let mut timed = following(&["domain", "fit"], clock, observer);
-    let map = cylinder::map(surface, options, &mut timed).map_err(TrivariateError::from)?;
-    let fit = cylinder::fit(&map, options, &mut timed).map_err(TrivariateError::from)?;
+    let map = cylinder::map(surface, options, &mut timed)?;
+    let fit = cylinder::fit(&map, options, &mut timed)?;
     Ok((map, fit))
 }
 
@@ -128,13 +132,13 @@ fn least_squares(spans: usize) -> Options {
 
 /// Adds what is known about the solid, and returns its mean determinant.
 fn checks(
-    checks: &mut measure::Checks,
+    checks: &mut Checks,
     map: &CylinderMap,
     fit: &CylinderFit,
     method: &TrivariateMethod,
 ) -> f64 {
     let certificate = certify(&fit.spline, &measure::certificate_options(&method.options));
-    let named = [
+    checks.extend(named([
         ("spans", json!(certificate.spans)),
         ("spans_certified", json!(certificate.certified)),
         ("volume", json!(certificate.volume)),
@@ -142,8 +146,7 @@ fn checks(
         ("surface_max", json!(fit.surface.max)),
         ("pole_0", json!(map.poles[0])),
         ("pole_1", json!(map.poles[1])),
-    ];
-    checks.extend(named.map(|(name, value)| (name.to_owned(), value)));
+    ]));
     for &cells in &method.validate_at {
         let places = degenerate_places(&fit.spline, cells, LAYERS);
         let values = [
@@ -169,10 +172,7 @@ fn outside(spline: &TrivariateSpline, squares: usize) -> Result<TriangleMesh, Ru
         let [a, b, c, d] = [0, 1, side + 1, side].map(|step| (corner + step) as u32);
         faces.extend([[a, b, c], [a, c, d]]);
     }
-    TriangleMesh::build(positions, faces).map_err(|e| RunError::Input {
-        file: "the tessellation".to_owned(),
-        reason: e.to_string(),
-    })
+    steps::tessellation(positions, faces)
 }
 
 /// Lines of constant longitude and latitude, at the ends of spans.

@@ -7,16 +7,15 @@ use msplines_common::progress::Observer;
 use msplines_trivariate::TrivariateSpline;
 use msplines_trivariate::validity;
 use rayon::prelude::*;
-use serde_json::json;
 
 use super::boundary::CubeSurface;
 use super::write::{self, Written};
-use super::{finish, measure, output, pictures, record, squares};
+use super::{SPLINE, measure, pictures, record, squares};
 use crate::arrays::read_rows;
 use crate::clock::PhaseClock;
 use crate::error::{RunError, SplineFileError, TrivariateError};
 use crate::input::file_name;
-use crate::run::{Evaluation, RunOutput, enter};
+use crate::run::{Evaluation, RunOutput, enter, steps};
 use crate::spline_file::{SplineFile, StoredDomain, StoredSpline, StoredTrivariate};
 
 /// Cells along the side of a span where neither the command nor the file says how many.
@@ -52,8 +51,7 @@ pub(in crate::run) fn evaluate(
     let mut record = record(evaluation.seed, &facts, &file, &spline);
     let (certificate, checks, warnings) = measure::folds(&spline, &validity::Options::default());
     (record.checks, record.warnings) = (checks, warnings);
-    let moves = json!(evaluation.moved.len());
-    record.checks.insert("moved_points".to_owned(), moves);
+    record.check("moved_points", evaluation.moved.len());
     let fields = pictures::boundary_fields(&spline, squares, certificate.volume, None);
     enter("write", clock, observer);
     match &points {
@@ -69,18 +67,18 @@ pub(in crate::run) fn evaluate(
             write::write(&evaluation.outputs, &written)?;
         }
     }
-    clock.leave();
-    finish(&mut record, &mesh, clock);
-    if let Some(rows) = points {
-        let count = json!(rows.len());
-        record.checks.insert("evaluated_points".to_owned(), count);
-    }
-    Ok(output(record, file, mesh, fields, Vec::new()))
+    let count = points.map_or(mesh.vertex_count(), |rows| rows.len());
+    record.check("evaluated_points", count);
+    steps::finish(&mut record, clock);
+    Ok(RunOutput {
+        fields,
+        ..RunOutput::of_surface(record, Some(file), mesh)
+    })
 }
 
 /// What only surfaces have is refused, and outputs before any work.
 fn check(evaluation: &Evaluation) -> Result<(), RunError> {
-    let refused = |what, remedy| Err(TrivariateError::SurfaceOnly { what, remedy }.into());
+    let refused = |what, remedy| Err(RunError::without(SPLINE, what, remedy));
     if !evaluation.shifts.is_empty() {
         let remedy = "move its control points with `msplines deform`";
         return refused("control points of a surface", remedy);

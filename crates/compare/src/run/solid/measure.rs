@@ -1,11 +1,7 @@
 //! What is measured of a solid and its spline, as flat values of a record.
 
-use std::collections::BTreeMap;
-
 use msplines_common::mesh::TriangleMesh;
-use msplines_common::metrics::{
-    Distance, UnitCubeError, VertexError, distance, unit_cube_error, vertex_error,
-};
+use msplines_common::metrics::Distance;
 use msplines_trivariate::TrivariateSpline;
 use msplines_trivariate::domain::Domain;
 use msplines_trivariate::fit::certified::creases;
@@ -13,16 +9,15 @@ use msplines_trivariate::measure::measure;
 use msplines_trivariate::options::{Fitting, Solid};
 use msplines_trivariate::solid::{Fitted, SolidFit};
 use msplines_trivariate::validity::{self, BoundaryOptions, BoundaryVerdict, Certificate, certify};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::boundary::{CubeSurface, positions};
 use crate::error::RunError;
+use crate::measure::{Tessellated, settled_distance};
+use crate::record::{Checks, Record, named};
+use crate::run::steps;
 
-/// Points drawn from each surface when their distance is measured.
-const SAMPLES: usize = 100_000;
-/// The tessellation is fine enough once halving it changes the root mean square by less than this.
-const SETTLED: f64 = 0.01;
-/// Nor is it halved beyond so many squares along an edge of the cube.
+/// The distance is measured to a tessellation of at most so many squares along an edge of the cube.
 const MOST_SQUARES: usize = 256;
 
 /// How often spans are halved of solids that were not fitted to be proved.
@@ -31,14 +26,6 @@ const DEPTH: u32 = 2;
 const OBVIOUS: u32 = 5;
 /// How many pairs of them are looked at then.
 const OBVIOUS_PAIRS: usize = 300_000;
-
-/// Named values of a record.
-pub(super) type Checks = BTreeMap<String, Value>;
-
-fn named<const N: usize>(checks: [(&str, Value); N]) -> Checks {
-    let named = checks.map(|(name, value)| (name.to_owned(), value));
-    named.into_iter().collect()
-}
 
 /// Returns how a spline is certified: as its fit was, where that was.
 pub(super) fn certificate_options(options: &Solid) -> validity::Options {
@@ -184,44 +171,31 @@ fn of_fitted(fitted: &Fitted, domain: &Domain) -> Checks {
     }
 }
 
-/// Returns the errors at the vertices of the surface, at their own parameters.
+/// Fills in the errors at the vertices of the surface, at their own parameters.
 pub(super) fn vertex_errors(
+    record: &mut Record,
     spline: &TrivariateSpline,
     parameters: &[[f64; 3]],
     surface: &TriangleMesh,
-) -> (Option<VertexError>, Option<UnitCubeError>) {
-    let flat = |points: &[msplines_common::Point3<f64>]| -> Vec<f64> {
-        points.iter().flat_map(|p| [p.x, p.y, p.z]).collect()
-    };
-    let found = flat(&positions(spline, parameters));
-    let expected = flat(surface.positions());
-    let [low, high] = surface.bounding_box();
-    let error = vertex_error(&found, &expected, 3, surface.diagonal()).ok();
-    let error = error.map(|error| VertexError {
-        kind: "samples".to_owned(),
-        ..error
-    });
-    let unit_cube = unit_cube_error(&found, &expected, (high - low).max()).ok();
-    (error, unit_cube)
+) {
+    let found = positions(spline, parameters);
+    steps::errors(record, [&found, surface.positions()], surface);
+    if let Some(error) = &mut record.error {
+        "samples".clone_into(&mut error.kind);
+    }
 }
 
-/// Returns the two-sided distance between the surface and the boundary of the spline, whose squares are
-/// halved until that changes little.
+/// Returns the two-sided distance between the surface and the boundary of the spline.
 pub(super) fn surface_distance(
     spline: &TrivariateSpline,
     surface: &TriangleMesh,
     seed: u64,
 ) -> Result<Distance, RunError> {
-    let mut squares = 4 * spline.spans();
-    let mut coarser: Option<Distance> = None;
-    loop {
-        let boundary = CubeSurface::new(squares).of(spline)?;
-        let found = distance(surface, &boundary, SAMPLES, seed)?;
-        let change = |before: Distance| (found.rms - before.rms).abs() <= SETTLED * before.rms;
-        if coarser.is_some_and(change) || 2 * squares > MOST_SQUARES {
-            return Ok(found);
-        }
-        coarser = Some(found);
-        squares *= 2;
-    }
+    settled_distance(surface, seed, |rounds| {
+        let squares = (4 * spline.spans()) << rounds;
+        Ok(Tessellated {
+            mesh: CubeSurface::new(squares).of(spline)?,
+            is_finest: 2 * squares > MOST_SQUARES,
+        })
+    })
 }

@@ -9,23 +9,21 @@ mod pictures;
 mod tetgen;
 mod write;
 
-use msplines_common::mesh::TriangleMesh;
 use msplines_common::progress::Observer;
 use msplines_trivariate::domain::mesher::Crossings;
 use msplines_trivariate::fit::least_squares;
 use msplines_trivariate::options::Fitting;
-use msplines_trivariate::solid::{self, SolidFit};
+use msplines_trivariate::solid::{self, SolidError, SolidFit};
 use msplines_trivariate::spline::MOST_SPANS;
 use msplines_trivariate::{FitError, TrivariateSpline};
 use serde_json::{Value, json};
 
-use super::{RunOutput, enter};
-use crate::case::{Case, Data, Filler, Input, Method, SolidMap, Task, TrivariateMethod};
-use crate::clock::{PhaseClock, process_usage};
+use super::{RunOutput, enter, steps};
+use crate::case::{Case, Filler, Input, SolidMap, TrivariateMethod};
+use crate::clock::PhaseClock;
 use crate::error::{RunError, TrivariateError};
 use crate::fit::following;
 use crate::input::solid::{Given, load_solid};
-use crate::measure::to_reference;
 use crate::record::{InputFacts, Record};
 use crate::spline_file::{SplineFile, StoredCube, StoredDomain, StoredSpline, StoredTrivariate};
 use boundary::CubeSurface;
@@ -38,19 +36,11 @@ const MOST_CELLS: usize = 200;
 /// Most squares along an edge of the cube.
 const MOST_SQUARES: usize = 1024;
 
-/// Runs a case whose method is a trivariate spline; nothing for another one.
-pub(super) fn asked(
-    case: &Case,
-    clock: &mut PhaseClock,
-    observer: &mut Observer<'_>,
-) -> Option<Result<RunOutput, RunError>> {
-    match &case.method {
-        Method::Trivariate(method) => Some(run(case, method, clock, observer)),
-        _ => None,
-    }
-}
+/// What refusals call these splines.
+const SPLINE: &str = "a trivariate spline";
 
-fn run(
+/// Runs a case whose method is a trivariate spline.
+pub(super) fn run(
     case: &Case,
     method: &TrivariateMethod,
     clock: &mut PhaseClock,
@@ -85,8 +75,10 @@ fn run(
     let mut record = record(case.seed, &input.facts, &spline, &stored);
     record.outcome = fit.fitted.outcome();
     let mean = measured(&mut record, case, method, &fit, [fitted, &stored]);
-    (record.error, record.error_unit_cube) = measure::vertex_errors(fitted, &parameters, &surface);
-    distances(&mut record, case, &stored, (&surface, &mesh))?;
+    measure::vertex_errors(&mut record, fitted, &parameters, &surface);
+    steps::distances(&mut record, case, [&surface, &mesh], || {
+        measure::surface_distance(&stored, &surface, case.seed)
+    })?;
     let fields = pictures::boundary_fields(&stored, squares, mean, Some(&surface));
     let shown = (squares, method.cut, mean);
     let companions = pictures::companions(&stored, (&surface, &parameters), shown);
@@ -99,16 +91,20 @@ fn run(
         fields: &fields,
     };
     write::write(&case.outputs, &written)?;
-    clock.leave();
     record.warnings.splice(0..0, input.warnings);
-    finish(&mut record, &mesh, clock);
-    Ok(output(record, spline, mesh, fields, companions))
+    record.check("evaluated_points", mesh.vertex_count());
+    steps::finish(&mut record, clock);
+    Ok(RunOutput {
+        fields,
+        companions,
+        ..RunOutput::of_surface(record, Some(spline), mesh)
+    })
 }
 
 /// Returns the method with crossings of the surface mended, where the case mends its input.
 fn mended(case: &Case, method: &TrivariateMethod) -> TrivariateMethod {
     let mut method = method.clone();
-    if matches!(case.input, Input::File { repair: true, .. }) {
+    if case.input.is_mended() {
         method.options.domain.mesher.crossings = Crossings::United;
     }
     method
@@ -130,8 +126,7 @@ fn fitted(
         (Filler::Tetgen | Filler::Lattice, _) => None,
     };
     let solid = filled.as_ref().unwrap_or(given).solid();
-    let fit = solid::fit(solid, &method.options, &mut timed);
-    Ok(fit.map_err(TrivariateError::from)?)
+    Ok(solid::fit(solid, &method.options, &mut timed)?)
 }
 
 /// Fills in what is known about the spline, errors of `fitted` and all else of `stored`, which may have been
@@ -154,41 +149,17 @@ fn measured(
         (Input::Solid(_), _) => None,
         (_, filler) => Some(filler),
     };
-    record.checks.insert("filler".to_owned(), json!(filler));
+    record.check("filler", json!(filler));
     record.warnings = warnings;
     certificate.volume
 }
 
-/// Fills in the distances between surfaces that are asked for.
-fn distances(
-    record: &mut Record,
-    case: &Case,
-    stored: &TrivariateSpline,
-    (surface, mesh): (&TriangleMesh, &TriangleMesh),
-) -> Result<(), RunError> {
-    if case.measure_distance {
-        let found = measure::surface_distance(stored, surface, case.seed)?;
-        record.distance = Some(found);
-    }
-    if let Some(path) = &case.reference {
-        let values = coordinates(mesh);
-        let found = to_reference(path, surface, mesh, &values, case.seed)?;
-        record.checks.extend(found);
-    }
-    Ok(())
-}
-
 /// Tasks, data and options that mean nothing here are refused.
 fn check(case: &Case, method: &TrivariateMethod) -> Result<(), RunError> {
-    let refused = |what, remedy| Err(TrivariateError::SurfaceOnly { what, remedy }.into());
-    if case.task != Task::Fit {
-        return refused("task beyond a fit", "leave it out");
-    }
-    if case.data != Data::Positions {
-        return refused("data other than positions", "leave them out");
-    }
-    if case.double_cover || case.refine > 0 || case.subdivide > 0 {
-        return refused("cover or subdivision of its input", "leave them out");
+    steps::check_plain_fit(case, SPLINE)?;
+    if case.refine > 0 {
+        let what = "cover or subdivision of its input";
+        return Err(RunError::without(SPLINE, what, "leave them out"));
     }
     let number = |option, value: String, range| {
         Err(TrivariateError::Option {
@@ -245,7 +216,7 @@ fn check_levels(fitting: &Fitting) -> Result<(), RunError> {
     } else {
         return Ok(());
     };
-    Err(TrivariateError::Solid(error.into()).into())
+    Err(SolidError::from(error).into())
 }
 
 /// Squares along an edge of the cube, for so many along the side of a span.
@@ -262,52 +233,12 @@ fn options(case: &Case, method: &TrivariateMethod) -> Value {
     options["validate_at"] = json!(method.validate_at);
     options["cells"] = json!(method.cells);
     options["moves"] = json!(method.moves);
-    options["data"] = json!(case.data);
-    options["seed"] = json!(case.seed);
-    options["repair"] = json!(matches!(case.input, Input::File { repair: true, .. }));
-    options
+    steps::options(case, options)
 }
 
 fn record(seed: u64, facts: &InputFacts, spline: &SplineFile, stored: &TrivariateSpline) -> Record {
-    let options = spline.options.clone();
     Record {
         dofs: 3 * stored.points().len() as u64,
-        ..Record::start(spline.spline.method(), facts.clone(), options, seed)
-    }
-}
-
-/// Fills in what is known at the end.
-fn finish(record: &mut Record, mesh: &TriangleMesh, clock: &mut PhaseClock) {
-    let points = json!(mesh.vertex_count());
-    record.checks.insert("evaluated_points".to_owned(), points);
-    record.seconds = clock.read();
-    record.peak_rss_bytes = process_usage().peak_rss_bytes;
-}
-
-fn coordinates(mesh: &TriangleMesh) -> Vec<f64> {
-    mesh.positions()
-        .iter()
-        .flat_map(|p| [p.x, p.y, p.z])
-        .collect()
-}
-
-fn output(
-    record: Record,
-    spline: SplineFile,
-    mesh: TriangleMesh,
-    fields: Vec<msplines_common::mesh::VertexAttribute>,
-    companions: Vec<super::Companion>,
-) -> RunOutput {
-    RunOutput {
-        record,
-        spline: Some(spline),
-        values: coordinates(&mesh),
-        mesh,
-        names: ["x", "y", "z"].map(str::to_owned).to_vec(),
-        fields,
-        knots: Vec::new(),
-        frames: Vec::new(),
-        companions,
-        texture: None,
+        ..steps::record(spline, facts, seed)
     }
 }

@@ -11,7 +11,7 @@ use msplines_trivariate::export::gismo_xml;
 use msplines_trivariate::measure::hexahedra;
 
 use crate::error::{RunError, TrivariateError};
-use crate::output::{check_folder, extension, is_array, write_array, write_outputs};
+use crate::output::{check_folder, extension, is_array, write_array, write_positions};
 use crate::spline_file::SplineFile;
 
 /// Extensions of what holds the spline, its boundary, or the solid.
@@ -59,39 +59,21 @@ pub(super) fn check_points(outputs: &[PathBuf]) -> Result<(), RunError> {
 
 /// Writes a solid to every output.
 pub(super) fn write(outputs: &[PathBuf], solid: &Written<'_>) -> Result<(), RunError> {
-    for path in outputs {
-        let refused = |error: WriteError| RunError::Write {
-            path: path.clone(),
-            reason: error.to_string(),
-        };
-        let name = path.to_string_lossy().to_ascii_lowercase();
-        match extension(path).as_str() {
-            "vtu" if !name.ends_with(HEXAHEDRA) => {
-                write_bezier(path, solid.spline).map_err(refused)?;
-            }
-            "vtu" | "msh" | "mesh" => write_hexahedra(path, solid).map_err(refused)?,
-            "xml" => {
-                let text = gismo_xml(solid.spline);
-                write_atomically(path, |to| to.write_all(text.as_bytes())).map_err(refused)?;
-            }
-            _ => write_boundary(path, solid)?,
-        }
-    }
-    Ok(())
+    outputs.iter().try_for_each(|path| write_one(path, solid))
 }
 
-fn write_boundary(path: &Path, solid: &Written<'_>) -> Result<(), RunError> {
-    let positions = solid.boundary.positions().iter();
-    let values: Vec<f64> = positions.flat_map(|p| [p.x, p.y, p.z]).collect();
-    let names = ["x", "y", "z"].map(str::to_owned);
-    write_outputs(
-        &[path.to_owned()],
-        solid.file,
-        solid.boundary,
-        &values,
-        &names,
-        solid.fields,
-    )
+fn write_one(path: &Path, solid: &Written<'_>) -> Result<(), RunError> {
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    match extension(path).as_str() {
+        "vtu" if !name.ends_with(HEXAHEDRA) => write_bezier(path, solid.spline),
+        "vtu" | "msh" | "mesh" => write_hexahedra(path, solid),
+        "xml" => {
+            let text = gismo_xml(solid.spline);
+            write_atomically(path, |to| to.write_all(text.as_bytes()))
+        }
+        _ => return write_positions(path, solid.file, solid.boundary, solid.fields),
+    }
+    .map_err(RunError::unwritten(path))
 }
 
 fn write_hexahedra(path: &Path, solid: &Written<'_>) -> Result<(), WriteError> {
@@ -168,10 +150,7 @@ pub(super) fn write_points(outputs: &[PathBuf], rows: &[[f64; 12]]) -> Result<()
             }
             Ok(())
         });
-        written.map_err(|e| RunError::Write {
-            path: path.clone(),
-            reason: e.to_string(),
-        })?;
+        written.map_err(RunError::unwritten(path))?;
     }
     Ok(())
 }

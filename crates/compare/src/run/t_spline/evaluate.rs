@@ -3,9 +3,9 @@
 use msplines_common::progress::Observer;
 
 use super::write::{AtVertices, Written, check, write};
-use super::{errors, marks, output, record_of};
+use super::{SPLINE, errors, marks, output, record_of};
 use crate::clock::PhaseClock;
-use crate::error::{RunError, TSplineError};
+use crate::error::RunError;
 use crate::input::load_domain;
 use crate::run::{Evaluation, RunOutput, enter};
 use crate::spline_file::SplineFile;
@@ -17,16 +17,10 @@ pub(in crate::run) fn evaluate(
     clock: &mut PhaseClock,
     observer: &mut Observer<'_>,
 ) -> Result<RunOutput, RunError> {
-    let refused = |what, remedy| Err(TSplineError::FitOnly { what, remedy }.into());
-    if evaluation.sum.is_some() || !evaluation.shifts.is_empty() || !evaluation.changes.is_empty() {
-        return refused("sums and moves of knots", "leave them out");
+    if !evaluation.changes.is_empty() {
+        return Err(Evaluation::no_moves(SPLINE));
     }
-    if evaluation.at.is_some() || !evaluation.moved.is_empty() || evaluation.subdivide > 0 {
-        return refused(
-            "parameters and subdivision",
-            "leave them out, or give --tessellate",
-        );
-    }
+    evaluation.check_tessellated(SPLINE)?;
     let segments = evaluation.cells.map(|cells| cells as u32);
     check(&evaluation.outputs, segments)?;
     let input = load_domain(&file, evaluation.mesh.as_deref(), &evaluation.spline, clock)?;

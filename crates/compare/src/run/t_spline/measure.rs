@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use msplines_common::Vector3;
 use msplines_common::evaluate::Order;
 use msplines_common::mesh::TriangleMesh;
-use msplines_common::metrics::{Distance, distance};
+use msplines_common::metrics::Distance;
 use msplines_t_spline::complex::{Border, CylinderComplex, Node, Point};
 use msplines_t_spline::tmesh::Side;
 use msplines_t_spline::{TMesh, TSpline, TSplineSpace, TSplineSurface};
@@ -15,14 +15,11 @@ use serde_json::{Value, json};
 
 use super::tessellation;
 use crate::error::RunError;
+use crate::measure::{Tessellated, settled_distance};
 
 /// Random points at which the partition of unity is looked at.
 const SAMPLES: usize = 20_000;
-/// Points drawn from each surface.
-const DRAWN: usize = 100_000;
-/// The tessellation is fine enough once halving it changes the root mean square by less than this.
-const SETTLED: f64 = 0.01;
-/// Nor does halving go beyond so many triangles.
+/// The distance is measured to a tessellation of at most so many triangles.
 const MOST_TRIANGLES: usize = 2_000_000;
 
 /// Returns what is known of a surface by name.
@@ -134,23 +131,15 @@ fn is_t_junction(mesh: &TMesh, node: &Node) -> bool {
     below.is_ok_and(|below| inside(&below, Side::Low))
 }
 
-/// Returns the two-sided distance between the surface, halved until that changes little, and a mesh.
+/// Returns the two-sided distance between the surface and a mesh.
 pub(super) fn distance_to(
     surface: &TSplineSurface,
     mesh: &TriangleMesh,
     seed: u64,
 ) -> Result<Distance, RunError> {
-    let mut segments = 1;
-    let mut coarser: Option<Distance> = None;
-    loop {
-        let shown = tessellation(surface, segments)?;
-        let found = distance(mesh, &shown, DRAWN, seed)?;
-        let settled =
-            coarser.is_some_and(|before| (found.rms - before.rms).abs() <= SETTLED * before.rms);
-        if settled || 4 * shown.face_count() > MOST_TRIANGLES {
-            return Ok(found);
-        }
-        coarser = Some(found);
-        segments *= 2;
-    }
+    settled_distance(mesh, seed, |rounds| {
+        let mesh = tessellation(surface, 1 << rounds)?;
+        let is_finest = 4 * mesh.face_count() > MOST_TRIANGLES;
+        Ok(Tessellated { mesh, is_finest })
+    })
 }

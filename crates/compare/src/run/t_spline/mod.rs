@@ -9,20 +9,18 @@ use std::sync::Arc;
 
 use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
-use msplines_common::metrics::{unit_cube_error, vertex_error};
 use msplines_common::progress::Observer;
 use msplines_t_spline::domain::DomainOptions;
 use msplines_t_spline::fit::Fit;
 use msplines_t_spline::{Domain, FitOptions, Sample, Stop, TSplineSurface};
 use serde_json::{Value, json};
 
-use super::{RunOutput, enter, prepared};
-use crate::case::{Case, Data, Form, Input, Method, TSplineMethod, Task};
-use crate::clock::{PhaseClock, process_usage};
+use super::{RunOutput, enter, prepared, steps};
+use crate::case::{Case, Form, TSplineMethod};
+use crate::clock::PhaseClock;
 use crate::error::{RunError, TSplineError};
 use crate::fit::following;
 use crate::input::{LoadedInput, load};
-use crate::measure::to_reference;
 use crate::record::Record;
 use crate::spline_file::{SplineFile, StoredSpline, StoredTSpline};
 use poles::Poles;
@@ -30,24 +28,13 @@ use write::{AtVertices, Written};
 
 pub(super) use evaluate::evaluate;
 
+/// What refusals call these splines.
+const SPLINE: &str = "a T-spline";
 /// Most samples per control point.
 const MOST_PER_CONTROL_POINT: f64 = 1000.0;
-/// Most segments along a side of a face.
-const MOST_SEGMENTS: u32 = 64;
 
-/// Runs a case whose method is a T-spline; nothing for another one.
-pub(super) fn asked(
-    case: &Case,
-    clock: &mut PhaseClock,
-    observer: &mut Observer<'_>,
-) -> Option<Result<RunOutput, RunError>> {
-    match &case.method {
-        Method::TSpline(method) => Some(run(case, method, clock, observer)),
-        _ => None,
-    }
-}
-
-fn run(
+/// Runs a case whose method is a T-spline.
+pub(super) fn run(
     case: &Case,
     method: &TSplineMethod,
     clock: &mut PhaseClock,
@@ -82,11 +69,12 @@ fn run(
     record.warnings.extend(input.warnings.iter().cloned());
     record.warnings.extend(poles.warning);
     record.checks.extend(measure::surface(&surface, case.seed));
-    record
-        .checks
-        .insert("rounds".to_owned(), json!(report.rounds));
-    record.checks.insert("levels".to_owned(), json!(levels));
-    distances(&mut record, case, &input, &surface, &at_vertices)?;
+    record.check("rounds", report.rounds);
+    record.check("levels", levels);
+    let meshes = [&input.mesh, &at_vertices.mesh];
+    steps::distances(&mut record, case, meshes, || {
+        measure::distance_to(&surface, &input.mesh, case.seed)
+    })?;
     enter("write", clock, observer);
     let written = Written {
         file: &file,
@@ -117,7 +105,7 @@ fn domain(
     };
     let mut timed = following(&["domain"], clock, observer);
     let domain = Domain::of_surface(&input.mesh, &options, &mut timed);
-    Ok(domain.map_err(TSplineError::from)?)
+    Ok(domain?)
 }
 
 /// Fits a surface to the vertices of the domain and to the poles.
@@ -145,7 +133,7 @@ fn fitted(
     let complex = Arc::new(domain.complex().clone());
     let mut timed = following(&["fit"], clock, observer);
     let fit = msplines_t_spline::fit(&complex, &samples, &options, &mut timed);
-    Ok(fit.map_err(TSplineError::from)?)
+    Ok(fit?)
 }
 
 /// Samples inside of faces that are large for the number of control points.
@@ -161,16 +149,7 @@ fn face_samples(domain: &Domain, method: &TSplineMethod, input: &LoadedInput) ->
 
 /// Tasks, data and options that mean nothing here are refused, and outputs before any work.
 fn check(case: &Case, method: &TSplineMethod) -> Result<(), RunError> {
-    let refused = |what, remedy| Err(TSplineError::FitOnly { what, remedy }.into());
-    if case.task != Task::Fit {
-        return refused("task beyond a fit", "leave it out");
-    }
-    if case.data != Data::Positions {
-        return refused("data other than positions", "leave them out");
-    }
-    if case.double_cover || case.subdivide > 0 {
-        return refused("cover or subdivision of its input", "leave them out");
-    }
+    steps::check_plain_fit(case, SPLINE)?;
     if let Stop::Tolerance(given) = method.fit.stop
         && !(given > 0.0 && given.is_finite())
     {
@@ -191,11 +170,8 @@ fn options(case: &Case, method: &TSplineMethod, poles: &[u32]) -> Value {
     let mut options = json!(method);
     options["form"] = json!(method.form.clone().unwrap_or(Form::Integer));
     options["puncture"] = json!(poles);
-    options["data"] = json!(case.data);
-    options["seed"] = json!(case.seed);
     options["refine"] = json!(case.refine);
-    options["repair"] = json!(matches!(case.input, Input::File { repair: true, .. }));
-    options
+    steps::options(case, options)
 }
 
 /// Returns what a record says of a surface alone.
@@ -207,55 +183,27 @@ fn record_of(
 ) -> Record {
     let mesh = surface.domain().mesh();
     let vectors = 48 * mesh.face_count() + 16 * mesh.vertex_count();
-    let options = file.options.clone();
     Record {
         dofs: 3 * surface.spline().space().unknowns() as u64,
-        domain_bytes: (24 * mesh.vertex_count() + 12 * mesh.face_count() + vectors) as u64,
-        ..Record::start(file.spline.method(), input.facts.clone(), options, seed)
+        domain_bytes: steps::triangle_bytes(mesh) + vectors as u64,
+        ..steps::record(file, &input.facts, seed)
     }
 }
 
 /// Fills in the errors at the vertices of the input.
 fn errors(record: &mut Record, input: &LoadedInput, at_vertices: &AtVertices) {
-    let pick = |mesh: &TriangleMesh| -> Vec<f64> {
-        let points = at_vertices
-            .known
-            .iter()
-            .map(|&v| mesh.positions()[v as usize]);
-        points.flat_map(|p| [p.x, p.y, p.z]).collect()
+    let known = |mesh: &TriangleMesh| -> Vec<Point3<f64>> {
+        let vertices = at_vertices.known.iter();
+        vertices.map(|&v| mesh.positions()[v as usize]).collect()
     };
-    let (fitted, data) = (pick(&at_vertices.mesh), pick(&input.mesh));
-    let [low, high] = input.mesh.bounding_box();
-    record.error = vertex_error(&fitted, &data, 3, input.mesh.diagonal()).ok();
-    record.error_unit_cube = unit_cube_error(&fitted, &data, (high - low).max()).ok();
+    let (fitted, data) = (known(&at_vertices.mesh), known(&input.mesh));
+    steps::errors(record, [&fitted, &data], &input.mesh);
     if let Some(error) = record.error_unit_cube {
-        let checks = &mut record.checks;
-        checks.insert("rms_unit_cube".to_owned(), json!(error.rms));
-        checks.insert("max_unit_cube".to_owned(), json!(error.max));
+        record.check("rms_unit_cube", error.rms);
+        record.check("max_unit_cube", error.max);
     }
     let unmeasured = input.mesh.vertex_count() - at_vertices.known.len();
-    let checks = &mut record.checks;
-    checks.insert("unmeasured_vertices".to_owned(), json!(unmeasured));
-}
-
-/// Fills in the distances between surfaces that are asked for.
-fn distances(
-    record: &mut Record,
-    case: &Case,
-    input: &LoadedInput,
-    surface: &TSplineSurface,
-    at_vertices: &AtVertices,
-) -> Result<(), RunError> {
-    if case.measure_distance {
-        record.distance = Some(measure::distance_to(surface, &input.mesh, case.seed)?);
-    }
-    if let Some(path) = &case.reference {
-        let mesh = &at_vertices.mesh;
-        let values = coordinates(mesh);
-        let measured = to_reference(path, &input.mesh, mesh, &values, case.seed)?;
-        record.checks.extend(measured);
-    }
-    Ok(())
+    record.check("unmeasured_vertices", unmeasured);
 }
 
 /// The zeros and poles on the surface.
@@ -276,23 +224,12 @@ fn output(
     marks: Vec<Point3<f64>>,
     clock: &mut PhaseClock,
 ) -> RunOutput {
-    clock.leave();
     let mesh = at_vertices.mesh;
-    let points = json!(mesh.vertex_count());
-    record.checks.insert("evaluated_points".to_owned(), points);
-    record.seconds = clock.read();
-    record.peak_rss_bytes = process_usage().peak_rss_bytes;
+    record.check("evaluated_points", mesh.vertex_count());
+    steps::finish(&mut record, clock);
     RunOutput {
-        record,
-        spline: Some(file),
-        values: coordinates(&mesh),
-        mesh,
-        names: ["x", "y", "z"].map(str::to_owned).to_vec(),
-        fields: Vec::new(),
         knots: marks,
-        frames: Vec::new(),
-        companions: Vec::new(),
-        texture: None,
+        ..RunOutput::of_surface(record, Some(file), mesh)
     }
 }
 
@@ -301,11 +238,4 @@ fn tessellation(surface: &TSplineSurface, segments: u32) -> Result<TriangleMesh,
     let found = surface.tessellate(segments).map_err(TSplineError::from)?;
     let mesh = TriangleMesh::build(found.positions, found.faces);
     Ok(mesh.map_err(TSplineError::from)?)
-}
-
-fn coordinates(mesh: &TriangleMesh) -> Vec<f64> {
-    mesh.positions()
-        .iter()
-        .flat_map(|p| [p.x, p.y, p.z])
-        .collect()
 }

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use msplines_common::Point3;
 use msplines_common::evaluate::Order;
 use msplines_common::mesh::TriangleMesh;
-use msplines_io::{Surface, write_atomically, write_cells, write_step, write_surface};
+use msplines_io::{Surface, write_cells, write_step, write_surface};
 use msplines_t_spline::TSplineSurface;
 use msplines_t_spline::cells::{CellError, CellOptions, Patchwork};
 
-use super::{MOST_SEGMENTS, coordinates, tessellation};
-use crate::error::{RunError, TSplineError};
-use crate::output::{check_folder, check_outputs, extension, is_array, write_array};
+use super::tessellation;
+use crate::error::RunError;
+use crate::output::{check_folder, check_outputs, extension, write_positions};
+use crate::run::steps;
 use crate::spline_file::SplineFile;
 
 /// How far cells of caps may be from the surface, over the diagonal, and their degree: all other cells
@@ -34,9 +35,7 @@ pub(super) struct Written<'a> {
 
 /// Checks before any work that every output can be written, and the number of segments.
 pub(super) fn check(outputs: &[PathBuf], segments: Option<u32>) -> Result<(), RunError> {
-    if let Some(segments) = segments.filter(|n| !(1..=MOST_SEGMENTS).contains(n)) {
-        return Err(TSplineError::Segments { segments }.into());
-    }
+    steps::check_segments(segments)?;
     let (shells, others): (Vec<_>, Vec<_>) = outputs.iter().cloned().partition(|p| is_shell(p));
     shells.iter().try_for_each(|path| check_folder(path))?;
     check_outputs(&others)
@@ -96,36 +95,30 @@ pub(super) fn write(outputs: &[PathBuf], written: &Written<'_>) -> Result<(), Ru
 }
 
 fn write_one(path: &Path, written: &Written<'_>) -> Result<(), RunError> {
-    let mesh = written.at_vertices;
-    if is_array(path) {
-        return write_array(path, vec![mesh.vertex_count(), 3], coordinates(mesh));
-    }
-    let faces_of = |mesh: &TriangleMesh| {
-        let surface = Surface {
-            positions: mesh.positions(),
-            faces: mesh.faces(),
-            ..Surface::default()
-        };
-        write_surface(path, &surface)
-    };
-    let refused = |reason: String| RunError::Write {
-        path: path.to_owned(),
-        reason,
-    };
     match (extension(path).as_str(), written.segments) {
         ("vtu", _) => {
             let patches = patchwork(written.surface, CELLS);
             let cells = patches.and_then(|p| p.cells());
-            write_cells(path, &cells.map_err(|e| refused(e.to_string()))?, &[], &[])
+            let cells = cells.map_err(RunError::unwritten(path))?;
+            write_cells(path, &cells, &[], &[])
         }
         ("step" | "stp", _) => {
             let patches = patchwork(written.surface, SHELL);
             let shell = patches.and_then(|p| p.shell());
-            write_step(path, &shell.map_err(|e| refused(e.to_string()))?)
+            write_step(path, &shell.map_err(RunError::unwritten(path))?)
         }
-        ("json", _) => write_atomically(path, |out| written.file.write(out)),
-        (_, None) => faces_of(mesh),
-        (_, Some(segments)) => faces_of(&tessellation(written.surface, segments)?),
+        ("json" | "npy", _) | (_, None) => {
+            return write_positions(path, written.file, written.at_vertices, &[]);
+        }
+        (_, Some(segments)) => {
+            let mesh = tessellation(written.surface, segments)?;
+            let surface = Surface {
+                positions: mesh.positions(),
+                faces: mesh.faces(),
+                ..Surface::default()
+            };
+            write_surface(path, &surface)
+        }
     }
-    .map_err(|error| refused(error.to_string()))
+    .map_err(RunError::unwritten(path))
 }
