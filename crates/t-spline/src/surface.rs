@@ -22,6 +22,11 @@ use crate::fit::Sample;
 use crate::space::Rows;
 use crate::spline::{SurfaceSamples, TSpline};
 
+/// Weight of a vertex at a zero, which cannot move to where the surface would be nearer: the others
+/// around it can, and follow. With 1 it is where bunny_30k is met worst (0.64 % instead of 0.45 %); 5 and
+/// 100 do as well.
+const AT_ZERO: f64 = 20.0;
+
 /// A T-spline, the mesh that it approximates, and how the one lies over the other.
 #[derive(Clone, Debug)]
 pub struct TSplineSurface {
@@ -47,7 +52,7 @@ impl TSplineSurface {
     }
 
     /// Returns the vertices of a domain as samples of a fit, by vertex: added ones count as points on faces,
-    /// and those at zeros stay where they are, as directions part there. The centres of poles may follow, which no
+    /// and those at zeros stay where they are, as directions part there, and weigh more. The centres of poles may follow, which no
     /// vertex of the mesh is.
     #[must_use]
     pub fn samples(domain: &Domain) -> Vec<Sample> {
@@ -59,7 +64,9 @@ impl TSplineSurface {
             })
             .collect();
         for zero in domain.zeros() {
-            samples[zero.vertex as usize].movable = false;
+            let sample = &mut samples[zero.vertex as usize];
+            sample.movable = false;
+            sample.weight = AT_ZERO;
         }
         samples
     }

@@ -9,19 +9,20 @@
 //! matrix, and its entries have a fixed place in the large one.
 //!
 //! # Reference
-//! [He2006] Eq. (3). Deviation: the plate of a leaf is measured in the lengths of the leaf, so that it is
+//! [He2006] Eq. (3). Deviations: the polynomial of a cap has a plate in its own coordinate; the plate of a leaf is measured in the lengths of the leaf, so that it is
 //! as stiff on a large leaf as on a small one; the paper's, in units of the form, would be stiffer by the
 //! fourth power of how much the map compresses.
 
 use msplines_common::Vector3;
-use msplines_common::evaluate::Order;
 use msplines_common::linalg::{
     CgTolerance, Cholesky, FactorError, Mat, Ordering, OrderingError, Symbolic, SymmetricMatrix,
     conjugate_gradient,
 };
+use nalgebra::Complex;
 use rayon::prelude::*;
 
 use super::samples::Sorted;
+use crate::caps::{Jet, monomials};
 use crate::complex::{Point, UNITS};
 use crate::options::Solver;
 use crate::space::{Row, Rows, TSplineSpace};
@@ -30,6 +31,17 @@ use crate::space::{Row, Rows, TSplineSpace};
 const RIDGE: f64 = 1e-11;
 /// Points of Gauss's rule of two.
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+
+/// Sum of the functions of a space at a point from which on few are missing.
+const MOST_OF_THEM: f64 = 0.5;
+/// Squared radii and weights of Gauss's rule of three over the unit disk, and angles: exact for squares of
+/// second derivatives up to degree 7.
+const SQUARED_RADII: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_3, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
+const ANGLES: u32 = 16;
 
 /// The equations of one T-mesh.
 pub(super) struct System {
@@ -56,10 +68,7 @@ impl System {
     pub(super) fn build(space: &TSplineSpace, sorted: &Sorted, rows: &Rows, fairness: f64) -> Self {
         let leaves = space.mesh().leaves().len();
         let gauss = gauss_points(space);
-        let plates = space.rows(
-            &gauss.iter().map(|g| g.0).collect::<Vec<_>>(),
-            Order::Second,
-        );
+        let plates = space.rows_without_caps(&gauss.iter().map(|g| g.0).collect::<Vec<_>>());
         let unknowns: Vec<Vec<u32>> = (0..leaves)
             .into_par_iter()
             .map(|leaf| {
@@ -71,8 +80,8 @@ impl System {
                 found
             })
             .collect();
-        let entries: Vec<(u32, u32, f64)> = unknowns
-            .iter()
+        let caps = cap_unknowns(space);
+        let entries: Vec<(u32, u32, f64)> = (unknowns.iter().chain(&caps))
             .flat_map(|list| pairs(list).map(|[row, column]| (row, column, 0.0)))
             .collect();
         let empty =
@@ -92,7 +101,11 @@ impl System {
             fair: empty,
             factor: None,
         };
-        system.add_plates(&gauss, &plates, fairness * sorted.weight() / leaves as f64);
+        let weight = fairness * sorted.weight() / leaves as f64;
+        system.add_plates(&gauss, &plates, weight);
+        for (cap, list) in space.caps().caps().iter().zip(&caps) {
+            system.add_cap_plate(cap.degree, list, weight);
+        }
         system
     }
 
@@ -116,6 +129,30 @@ impl System {
             }
         }
         scatter(self.fair.values_mut(), &self.places, &locals);
+    }
+
+    /// Adds the mean over a cap of the squared second derivatives of its polynomial by `w`.
+    fn add_cap_plate(&mut self, degree: u8, list: &[u32], weight: f64) {
+        let mut entries = Vec::new();
+        for (node, share) in SQUARED_RADII {
+            for step in 0..ANGLES {
+                let angle = std::f64::consts::TAU * f64::from(step) / f64::from(ANGLES);
+                let w = Complex::from_polar(node.sqrt(), angle);
+                let mut seconds = vec![[0.0; 3]; list.len()];
+                let by_w = [Complex::new(1.0, 0.0), Complex::new(0.0, 0.0)];
+                monomials(degree, w, by_w, |place, Jet([.., xx, xy, yy])| {
+                    seconds[place] = [xx, std::f64::consts::SQRT_2 * xy, yy];
+                });
+                let factor = weight * share / f64::from(ANGLES);
+                for (i, p) in seconds.iter().enumerate() {
+                    for (j, q) in seconds[..=i].iter().enumerate() {
+                        let product: f64 = p.iter().zip(q).map(|(p, q)| p * q).sum();
+                        entries.push((list[i], list[j], factor * product));
+                    }
+                }
+            }
+        }
+        self.fair.add_to_entries(&entries);
     }
 
     /// Returns the unknowns that fit the samples best.
@@ -307,8 +344,17 @@ fn scatter(values: &mut [f64], places: &[Vec<[u32; 2]>], locals: &[Local]) {
     }
 }
 
-/// Returns four points on each leaf, the leaf, and its sides in units of the form's 1; none within caps,
-/// where the coordinates of the form are singular and there are samples enough.
+/// Returns the coefficients of each cap.
+fn cap_unknowns(space: &TSplineSpace) -> Vec<Vec<u32>> {
+    let caps = space.caps().caps().iter();
+    let from = |offset: u32| space.functions().len() as u32 + offset;
+    caps.map(|cap| (from(cap.offset)..from(cap.offset) + cap.coefficients() as u32).collect())
+        .collect()
+}
+
+/// Returns four points on each leaf, the leaf, and its sides in units of the form's 1; in the cores of caps
+/// only where leaves reach out of them. The T-spline counts by itself, as if there were no caps: what
+/// one all but hides must not be free.
 fn gauss_points(space: &TSplineSpace) -> Vec<(Point, u32, [f64; 2])> {
     let leaves = space.mesh().leaves().iter().enumerate();
     let points = leaves.flat_map(|(index, leaf)| {
@@ -325,7 +371,15 @@ fn gauss_points(space: &TSplineSpace) -> Vec<(Point, u32, [f64; 2])> {
                 (point, index as u32, [w / UNITS, h / UNITS])
             })
     });
-    points
-        .filter(|(point, ..)| space.caps().at(*point).is_none())
+    let points: Vec<(Point, u32, [f64; 2])> = points.collect();
+    let sums = space.sums(&points.iter().map(|p| p.0).collect::<Vec<_>>());
+    let counts = |(point, ..): &(Point, u32, [f64; 2]), sum: f64| {
+        let cap = space.caps().at(*point);
+        // Functions inside of cores are none of the space.
+        cap.is_none_or(|cap| cap.rest.0[0] > 0.0) || sum > MOST_OF_THEM
+    };
+    let pairs = points.into_iter().zip(sums);
+    pairs
+        .filter_map(|(point, sum)| counts(&point, sum).then_some(point))
         .collect()
 }

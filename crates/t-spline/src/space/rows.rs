@@ -102,6 +102,23 @@ impl TSplineSpace {
         work.for_each(|(points, block)| self.fill(points, order, block));
     }
 
+    /// Returns the second derivatives of the T-spline alone, as if there were no caps.
+    pub(crate) fn rows_without_caps(&self, points: &[Point]) -> Rows {
+        let blocks = points.par_chunks(BLOCK).map(|points| {
+            let mut block = Block::default();
+            block.clear();
+            for &point in points {
+                self.add_quotients::<2>(point, Jet::ONE, &mut block);
+                block.starts.push(block.unknowns.len() as u32);
+            }
+            block
+        });
+        Rows {
+            points: points.len(),
+            blocks: blocks.collect(),
+        }
+    }
+
     fn fill(&self, points: &[Point], order: Order, block: &mut Block) {
         block.clear();
         for &point in points {
@@ -118,13 +135,19 @@ impl TSplineSpace {
         let cap = self.caps.at(point);
         let rest = cap.map_or(Jet::ONE, |cap| cap.rest);
         if rest.0[0] > 0.0 {
-            let from = block.unknowns.len();
-            let sum = self.add_functions::<ORDER>(point, block);
-            block.make_rational::<ORDER>(from, sum, rest);
+            self.add_quotients::<ORDER>(point, rest, block);
         }
         if let Some(cap) = cap {
             self.add_cap::<ORDER>(&cap, block);
         }
+    }
+
+    /// Adds the blending functions over their sum, times a weight.
+    #[inline]
+    fn add_quotients<const ORDER: usize>(&self, point: Point, weight: Jet, block: &mut Block) {
+        let from = block.unknowns.len();
+        let sum = self.add_functions::<ORDER>(point, block);
+        block.make_rational::<ORDER>(from, sum, weight);
     }
 
     /// Adds the blending functions themselves, and returns their sum.
