@@ -48,7 +48,9 @@ pub fn all() -> Vec<(String, TriangleMesh)> {
 /// Returns the models that are there, and says which are not.
 #[must_use]
 pub fn models() -> Vec<(String, TriangleMesh)> {
-    let found = MODELS.iter().filter_map(|&name| Some((name.to_owned(), model(name)?)));
+    let found = MODELS
+        .iter()
+        .filter_map(|&name| Some((name.to_owned(), model(name)?)));
     found.collect()
 }
 

@@ -53,9 +53,8 @@ struct Comparisons {
 
 impl Comparisons {
     fn new() -> Self {
-        let new = |quantity: &str, bound, why: &str| {
-            Comparison::new(quantity, Library::Cgal, bound, why)
-        };
+        let new =
+            |quantity: &str, bound, why: &str| Comparison::new(quantity, Library::Cgal, bound, why);
         Self {
             points: new("distance of points", ROUNDING, "relative to the diagonal"),
             means: new(
@@ -76,7 +75,12 @@ impl Comparisons {
         }
     }
 
-    fn add(&mut self, name: &str, input: &TriangleMesh, shown: &TriangleMesh) -> Result<(), Failure> {
+    fn add(
+        &mut self,
+        name: &str,
+        input: &TriangleMesh,
+        shown: &TriangleMesh,
+    ) -> Result<(), Failure> {
         let diagonal = input.diagonal();
         let (mut hausdorff, mut ranked) = (0.0_f64, 0.0_f64);
         let (mut mean, mut variance) = ([0.0; 2], [0.0; 2]);
@@ -128,7 +132,12 @@ fn misses<'a>(
 #[test]
 fn distances_of_fits_are_those_of_cgal() -> Result<(), Failure> {
     let mut comparisons = Comparisons::new();
-    for Whole { name, mesh, surface } in generated().into_iter().chain(models(&model_names())) {
+    for Whole {
+        name,
+        mesh,
+        surface,
+    } in generated().into_iter().chain(models(&model_names()))
+    {
         comparisons.add(&name, &mesh, &tessellated(&surface, SEGMENTS))?;
     }
     comparisons.finish();
@@ -139,7 +148,10 @@ fn distances_of_fits_are_those_of_cgal() -> Result<(), Failure> {
 #[test]
 fn a_distance_of_other_surfaces_is_another() -> Result<(), Failure> {
     let mesh = msplines_common::mesh::shapes::torus(1.0, 0.4, 1_500);
-    let moved = mesh.positions().iter().map(|p| p + nalgebra::Vector3::new(0.0, 0.0, 0.01));
+    let moved = mesh
+        .positions()
+        .iter()
+        .map(|p| p + nalgebra::Vector3::new(0.0, 0.0, 0.01));
     let moved = mesh.with_positions(moved.collect());
     let theirs = cgal_hausdorff(&mesh, &moved, 1e-4)?;
     // Where the torus is level it is a hundredth away, and nowhere more.

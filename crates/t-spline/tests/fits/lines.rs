@@ -19,7 +19,7 @@ type Crossing = (Point, [f64; 2]);
 /// Distances from a line, in units of the form's 1; the last is that of the first law times ten.
 const OFFSETS: [f64; 4] = [1e-10, 2e-10, 4e-10, 1e-9];
 /// Jumps of values, first and second derivatives, over the sums of sizes.
-const JUMPS: [f64; 3] = [1e-14, 1e-12, 1e-10];
+const JUMPS: [f64; 3] = [1e-13, 1e-9, 1e-8];
 /// Points on each edge.
 const ON_EDGE: usize = 3;
 /// Points on each circle and ray.
@@ -226,10 +226,24 @@ fn on_caps(spline: &TSpline) -> Vec<Crossing> {
     points
 }
 
+/// Returns the narrowest interval between knots, in units of the form's 1.
+fn narrowest(spline: &TSpline) -> f64 {
+    let functions = spline.space().functions().iter();
+    let knots = functions.flat_map(|f| [f.x, f.y]);
+    let steps = knots.flat_map(|k| [0, 1, 2, 3].map(|i| k[i + 1] - k[i]));
+    let least = steps.filter(|&step| step > 0).min();
+    least.map_or(f64::INFINITY, |least| least as f64 / UNITS)
+}
+
 /// Asserts that neither values nor derivatives jump.
 pub(super) fn assert_c2(whole: &Whole) {
     let spline = whole.surface.spline();
     let complex = spline.space().mesh().complex();
+    println!(
+        "{}: the narrowest knot interval is {:e}",
+        whole.name,
+        narrowest(spline)
+    );
     let [edges, borders, junctions] = on_mesh(spline);
     let kinds = [
         ("edges", edges),

@@ -66,11 +66,17 @@ fn comparisons() -> Comparisons {
 }
 
 fn add(found: &mut Comparisons, whole: &Whole) -> Result<(), Failure> {
-    let Whole { name, mesh, surface } = whole;
+    let Whole {
+        name,
+        mesh,
+        surface,
+    } = whole;
     let diagonal = mesh.diagonal();
     let (share, degree) = SHELL;
     let tolerance = share * diagonal;
-    let work = surface.spline().patchwork(&CellOptions { tolerance, degree })?;
+    let work = surface
+        .spline()
+        .patchwork(&CellOptions { tolerance, degree })?;
     let (shell, report) = (work.shell()?, work.report());
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("shell.step");
@@ -86,7 +92,11 @@ fn add(found: &mut Comparisons, whole: &Whole) -> Result<(), Failure> {
     assert_eq!(shape.free_bounds, 0, "{name}: {said}");
     // Edges are as far from their patches as we say, or as near as OpenCASCADE tells apart.
     let allowed = TOLERANCE.max(2.0 * shell.tolerance());
-    assert!(shape.tolerance <= allowed, "{name}: {} of {allowed:e}", shape.tolerance);
+    assert!(
+        shape.tolerance <= allowed,
+        "{name}: {} of {allowed:e}",
+        shape.tolerance
+    );
     let zeros = surface.domain().zeros().len() + surface.domain().poles().len();
     assert_eq!(report.approximate == 0, zeros == 0, "{name}");
 
@@ -94,7 +104,10 @@ fn add(found: &mut Comparisons, whole: &Whole) -> Result<(), Failure> {
     let faces = (0..count).filter(|face| face % stride == 0 || *face >= report.exact);
     let places: Vec<_> = faces.flat_map(|f| PLACES.map(|at| (f, at))).collect();
     let theirs = draw::surface_points(&path, &places)?;
-    let points: Vec<_> = places.iter().map(|&(face, at)| work.place(face, at)).collect();
+    let points: Vec<_> = places
+        .iter()
+        .map(|&(face, at)| work.place(face, at))
+        .collect();
     let ours = surface.spline().evaluate(&points, Order::Value).positions;
     for ((theirs, ours), (face, _)) in theirs.iter().zip(&ours).zip(&places) {
         let apart = (theirs - ours).norm();
@@ -110,7 +123,9 @@ fn add(found: &mut Comparisons, whole: &Whole) -> Result<(), Failure> {
     let shown = tessellated(surface, SEGMENTS);
     let faces = 0..shown.face_count() as u32;
     let triangles: f64 = faces.map(|face| 0.5 * shown.face_normal(face).norm()).sum();
-    found.shown.add(name, [(shape.area / triangles - 1.0).abs()]);
+    found
+        .shown
+        .add(name, [(shape.area / triangles - 1.0).abs()]);
     println!(
         "{name}: {count} faces, {report:?}, tolerance {:e}, theirs {:e}, area {} and {area} and {triangles}",
         shell.tolerance(),
@@ -127,7 +142,12 @@ fn shells_of_fits_are_valid_closed_and_the_surface() -> Result<(), Failure> {
     for whole in fits {
         add(&mut found, &whole)?;
     }
-    let Comparisons { exact, approximate, area, shown } = found;
+    let Comparisons {
+        exact,
+        approximate,
+        area,
+        shown,
+    } = found;
     for comparison in [exact, approximate, area, shown] {
         comparison.finish();
     }

@@ -12,9 +12,9 @@ use msplines_reference::Library;
 use msplines_reference::python::Python;
 use msplines_reference::record::Comparison;
 use msplines_reference::t_splines::{Whole, generated, model_names, models};
+use msplines_t_spline::TSplineSurface;
 use msplines_t_spline::caps::CapOptions;
 use msplines_t_spline::cells::CellOptions;
-use msplines_t_spline::TSplineSurface;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde_json::json;
@@ -39,10 +39,17 @@ fn cells_of_fits_are_the_surface() -> Result<(), Failure> {
     let why = "over the tolerance: between the points where it is measured a cell may be farther";
     let mut caps = Comparison::new("cells of caps of T-splines", Library::Vtk, 1.5, why);
     let mut random = Pcg64Mcg::seed_from_u64(12);
-    for Whole { name, mesh, surface } in fits() {
+    for Whole {
+        name,
+        mesh,
+        surface,
+    } in fits()
+    {
         let (share, degree) = CELLS;
         let tolerance = share * mesh.diagonal();
-        let work = surface.spline().patchwork(&CellOptions { tolerance, degree })?;
+        let work = surface
+            .spline()
+            .patchwork(&CellOptions { tolerance, degree })?;
         let (cells, report) = (work.cells()?, work.report());
         assert_eq!(cells.shape(), CellShape::Quads);
         let folder = tempfile::tempdir()?;
@@ -50,8 +57,16 @@ fn cells_of_fits_are_the_surface() -> Result<(), Failure> {
         write_cells(&path, &cells, &[], &[])?;
         let found = read(&mut python, VTK, &path)?;
         assert_eq!(found.points, coordinates(cells.points()), "{name}");
-        assert_eq!(found.point_data["RationalWeights"], json!(cells.weights()), "{name}");
-        assert_eq!(found.cells["bezier quadrilateral"].len(), cells.len(), "{name}");
+        assert_eq!(
+            found.point_data["RationalWeights"],
+            json!(cells.weights()),
+            "{name}"
+        );
+        assert_eq!(
+            found.cells["bezier quadrilateral"].len(),
+            cells.len(),
+            "{name}"
+        );
         let places: Vec<(usize, [f64; 2])> = (0..POINTS)
             .map(|_| {
                 let at = [0; 2].map(|_| match random.random_range(0..6) {
@@ -65,7 +80,10 @@ fn cells_of_fits_are_the_surface() -> Result<(), Failure> {
         let asked: Vec<_> = places.iter().map(|(c, [r, s])| (c, r, s, 0.0)).collect();
         let theirs: Vec<[f64; 3]> =
             python.ask("bezier_points", &json!({"path": &path, "places": asked}))?;
-        let points: Vec<_> = places.iter().map(|&(cell, at)| work.place(cell, at)).collect();
+        let points: Vec<_> = places
+            .iter()
+            .map(|&(cell, at)| work.place(cell, at))
+            .collect();
         let ours = surface.spline().evaluate(&points, Order::Value).positions;
         assert_eq!(theirs.len(), ours.len(), "{name}");
         for ((ours, theirs), (cell, _)) in ours.iter().zip(theirs).zip(&places) {
@@ -95,16 +113,25 @@ fn points(surface: &TSplineSurface) -> Vec<SurfacePoint> {
 /// The bits of positions and derivatives up to the second.
 fn bits(surface: &TSplineSurface) -> Result<Vec<u64>, Failure> {
     let mut samples = Samples::default();
-    surface.prepare(&points(surface), Order::Second)?.evaluate(&mut samples);
+    surface
+        .prepare(&points(surface), Order::Second)?
+        .evaluate(&mut samples);
     let numbers = [samples.values, samples.first, samples.second].concat();
     Ok(numbers.into_iter().map(f64::to_bits).collect())
 }
 
 #[test]
 fn spline_files_of_fits_give_the_same_bits() -> Result<(), Failure> {
-    for Whole { name, mesh, surface } in fits() {
+    for Whole {
+        name,
+        mesh,
+        surface,
+    } in fits()
+    {
         let stored = StoredTSpline::of(&surface, &CapOptions::default(), &mesh);
-        let domain = StoredDomain::Embedded { mesh: StoredMesh::of(&mesh) };
+        let domain = StoredDomain::Embedded {
+            mesh: StoredMesh::of(&mesh),
+        };
         let spline = StoredSpline::TSpline(Box::new(stored));
         let file = SplineFile::new(domain, json!({}), spline);
         let mut text = Vec::new();
@@ -118,7 +145,11 @@ fn spline_files_of_fits_give_the_same_bits() -> Result<(), Failure> {
         let expected = bits(&surface)?;
         assert!(!expected.is_empty(), "{name}");
         assert!(bits(&restored)? == expected, "{name}: other bits");
-        println!("{name}: {} bytes, {} numbers the same", text.len(), expected.len());
+        println!(
+            "{name}: {} bytes, {} numbers the same",
+            text.len(),
+            expected.len()
+        );
     }
     Ok(())
 }
