@@ -43,7 +43,7 @@ type Asking = (&'static [&'static str], fn() -> Result<(), String>);
 
 /// The tests of this package that ask programs.
 const ASKING: [Asking; 2] = [
-    (&["gismo", "vtk"], python::prepare),
+    (&["gismo", "tensor", "vtk"], python::prepare),
     (&["step"], draw::prepare),
 ];
 
