@@ -61,12 +61,16 @@ pub fn whole(name: &str, mesh: TriangleMesh, poles: &[u32], most: usize) -> Whol
 }
 
 /// Returns fits of generated surfaces: without zeros, with zeros, and with poles.
+///
+/// The torus is jittered. That of an even mesh is turned by 2e-8 of a period from its bottom to its top, so
+/// that there are faces narrower than what OpenCASCADE tells apart, which finds their wires invalid.
 #[must_use]
 pub fn generated() -> Vec<Whole> {
     let bumpy = shapes::bumpy_sphere(2_000);
     let poles = ends(&bumpy);
+    let torus = meshes::jittered(&shapes::torus(1.0, 0.4, 1_500), 0.2, 5);
     vec![
-        whole("torus", shapes::torus(1.0, 0.4, 1_500), &[], 150),
+        whole("jittered torus", torus, &[], 150),
         whole("torus knot", shapes::torus_knot(2, 3, 3_000), &[], 300),
         whole("genus 2", shapes::genus(2, 2_500), &[], 500),
         whole("genus 3", shapes::genus(3, 4_000), &[], 900),

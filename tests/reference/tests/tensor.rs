@@ -10,6 +10,7 @@ use msplines_reference::python::Python;
 use msplines_reference::record::Comparison;
 use msplines_t_spline::caps::CapOptions;
 use msplines_t_spline::complex::{Beyond, Cylinder, CylinderComplex, Point, Segment, UNITS};
+use msplines_t_spline::support::Support;
 use msplines_t_spline::tmesh::{Axis, Grid, TMesh};
 use msplines_t_spline::{TSpline, TSplineSpace};
 use nalgebra::Vector3;
@@ -112,12 +113,14 @@ impl Case {
         let space = self.spline.space();
         let own = &space.mesh().complex().cylinders()[0];
         let [circumference, height] = [own.circumference, own.height];
-        // Functions by the place of their anchors and of their last knots, which tells those on borders
-        // apart.
-        let functions = space.functions().iter().zip(self.spline.control());
-        let points: BTreeMap<[i64; 3], Vector3<f64>> = functions
-            .map(|(f, &point)| ([f.node.x, f.node.y, f.node.y + f.y[4]], point))
-            .collect();
+        // Functions by the place of their anchors and by their outer knots, which tell those on borders
+        // apart, in the order of their knots.
+        let functions = || space.functions().iter();
+        let key = |f: &Support| [f.node.x, f.node.y, f.y[0] + f.y[4]];
+        let pairs = functions().zip(self.spline.control());
+        let points: BTreeMap<[i64; 3], Vector3<f64>> =
+            pairs.map(|(f, &point)| (key(f), point)).collect();
+        assert_eq!(points.len(), functions().count(), "{}", self.name);
         let distinct = |axis: usize| {
             let mut found: Vec<i64> = points.keys().map(|key| key[axis]).collect();
             found.sort_unstable();
@@ -142,18 +145,18 @@ impl Case {
                 (knots, (-1..=along + 1).map(row).collect())
             }
             None => {
-                let mut keys: Vec<[i64; 2]> = points.keys().map(|k| [k[1], k[2]]).collect();
-                keys.sort_unstable();
-                keys.dedup();
-                let ends = keys.iter().map(|key| key[1]);
-                let knots = [0; 4].into_iter().chain(ends).collect();
-                (knots, keys.into_iter().map(|key| (key, 0)).collect())
+                let column = functions().filter(|f| f.node.x == xs[0]);
+                let rows: BTreeMap<[i64; 2], i64> = column
+                    .map(|f| ([f.node.y, f.y[0] + f.y[4]], f.node.y + f.y[4]))
+                    .collect();
+                let knots = [0; 4].into_iter().chain(rows.values().copied()).collect();
+                (knots, rows.into_keys().map(|key| (key, 0)).collect())
             }
         };
         let column = |i: i64| {
             let x = line(&xs, circumference, i);
-            let point = |&([y, last], turn): &([i64; 2], i64)| {
-                points[&[(x + turn).rem_euclid(circumference), y, last]].into()
+            let point = |&([y, outer], turn): &([i64; 2], i64)| {
+                points[&[(x + turn).rem_euclid(circumference), y, outer]].into()
             };
             rows.iter().map(point).collect()
         };
