@@ -5,6 +5,7 @@ fn main() {
         "cpp/openmesh.cc",
         "cpp/opensubdiv.cc",
         "cpp/cgal.cc",
+        "cpp/distance.cc",
         "cpp/flattening.cc",
         "cpp/solids.cc",
         "cpp/cholmod.cc",

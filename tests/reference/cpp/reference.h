@@ -19,6 +19,7 @@ struct PolygonLevel;
 struct PolygonRefinement;
 struct Tetrahedron;
 struct DelaunayMesh;
+struct Sampled;
 
 MeshFacts openmesh_facts(Positions positions, Faces faces);
 Surface openmesh_loop(Positions positions, Faces faces);
@@ -37,6 +38,11 @@ rust::Vec<std::int8_t> cgal_orientations(Positions corners);
 rust::Vec<Tetrahedron> cgal_tetrahedra(Positions corners);
 DelaunayMesh cgal_delaunay(Positions positions);
 rust::Vec<std::uint32_t> cgal_self_intersections(Positions positions, Faces faces);
+
+double cgal_hausdorff(Positions from_positions, Faces from_faces, Positions to_positions,
+                      Faces to_faces, double error);
+Sampled cgal_sampled(Positions from_positions, Faces from_faces, Positions to_positions,
+                     Faces to_faces, std::size_t count);
 
 class Cholmod {
  public:

@@ -1,4 +1,4 @@
-"""Answers questions about solids: a line of JSON on standard input, a line on standard output.
+"""Answers questions about solids and surfaces: a line of JSON on standard input, a line on standard output.
 
 A question is an object whose member `ask` names a function below; its other members are the
 arguments. Numbers go both ways with all their digits. VTK and meshio read and write meshes, VTK
@@ -200,6 +200,14 @@ def gismo_points(path, parameters):
     }
 
 
+def tensor_points(knots, lattice, parameters, orders):
+    """Derivatives of a bicubic tensor product at parameters, for each pair of orders."""
+    knots = tuple(np.array(vector) for vector in knots)
+    spline = NdBSpline(knots, np.array(lattice), 3, extrapolate=False)
+    at = np.array(parameters)
+    return [spline(at, nu=pair).tolist() for pair in orders]
+
+
 QUESTIONS = {
     function.__name__: function
     for function in [
@@ -210,6 +218,7 @@ QUESTIONS = {
         hexahedra_quality,
         write_tetrahedra,
         gismo_points,
+        tensor_points,
     ]
 }
 

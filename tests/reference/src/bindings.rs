@@ -61,6 +61,14 @@ mod ffi {
         hull_vertices: usize,
     }
 
+    /// Random points of a surface and their distances from another one.
+    struct Sampled {
+        /// Coordinates, point after point.
+        points: Vec<f64>,
+        /// Distance of each.
+        distances: Vec<f64>,
+    }
+
     /// A polygon mesh with tags, and what to do with it.
     #[derive(Clone, Debug, Default)]
     struct Control {
@@ -145,6 +153,21 @@ mod ffi {
         fn cgal_tetrahedra(corners: &[f64]) -> Vec<Tetrahedron>;
         fn cgal_delaunay(positions: &[f64]) -> DelaunayMesh;
         fn cgal_self_intersections(positions: &[f64], faces: &[u32]) -> Result<Vec<u32>>;
+
+        fn cgal_hausdorff(
+            from_positions: &[f64],
+            from_faces: &[u32],
+            to_positions: &[f64],
+            to_faces: &[u32],
+            error: f64,
+        ) -> Result<f64>;
+        fn cgal_sampled(
+            from_positions: &[f64],
+            from_faces: &[u32],
+            to_positions: &[f64],
+            to_faces: &[u32],
+            count: usize,
+        ) -> Result<Sampled>;
 
         type Cholmod;
         fn cholmod_lower(starts: &[usize], rows: &[u32], values: &[f64]) -> UniquePtr<Cholmod>;

@@ -3,9 +3,12 @@
 //! `cargo xtask test reference` installs it.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::io;
 use std::path::Path;
 use std::process::{Command, Stdio};
+
+use nalgebra::Point3;
 
 /// Debian's name of the program.
 const PROGRAM: &str = "occt-draw";
@@ -111,6 +114,41 @@ pub fn read_step(path: &Path, accuracy: f64) -> Result<Shape, DrawError> {
         volume: number("volume", "Mass")?,
         said,
     })
+}
+
+/// Returns points of the faces of a shape in a STEP file at parameters of their surfaces; faces are
+/// counted in the order of the file.
+///
+/// # Errors
+/// The program cannot be run or does not find the faces.
+pub fn surface_points(
+    path: &Path,
+    places: &[(usize, [f64; 2])],
+) -> Result<Vec<Point3<f64>>, DrawError> {
+    let path = path.display();
+    let mut script = format!("stepread {{{path}}} s *\nset faces [explode s_1 F]\n");
+    let mut last = None;
+    for &(face, [u, v]) in places {
+        if last != Some(face) {
+            writeln!(script, "mksurface f [lindex $faces {face}]").unwrap_or_default();
+            last = Some(face);
+        }
+        writeln!(
+            script,
+            "svalue f {u:e} {v:e} x y z\nputs [format {{== %.17g %.17g %.17g}} [dval x] [dval y] [dval z]]"
+        )
+        .unwrap_or_default();
+    }
+    let said = run(&script)?;
+    let lines = said.lines().filter_map(|line| line.strip_prefix("== "));
+    let points = lines.map(|line| {
+        let numbers = line.split_whitespace().map(str::parse);
+        let numbers: Vec<f64> = numbers.collect::<Result<_, _>>().ok()?;
+        (numbers.len() == 3).then(|| Point3::new(numbers[0], numbers[1], numbers[2]))
+    });
+    let points: Option<Vec<Point3<f64>>> = points.collect();
+    let points = points.filter(|points| points.len() == places.len());
+    points.ok_or_else(|| missing("points", &said))
 }
 
 /// Runs commands in a process of its own, without a display, and returns what it said.

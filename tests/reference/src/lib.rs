@@ -15,6 +15,7 @@ pub mod python;
 pub mod record;
 pub mod solids;
 pub mod splines;
+pub mod t_splines;
 
 use msplines_common::mesh::TriangleMesh;
 use nalgebra::Point3;
@@ -64,6 +65,46 @@ pub fn cgal_lscm(mesh: &TriangleMesh) -> Result<Vec<[f64; 2]>, cxx::Exception> {
 pub fn cgal_mean_value(mesh: &TriangleMesh) -> Result<Vec<[f64; 2]>, cxx::Exception> {
     let places = bindings::cgal_mean_value(&flat(mesh.positions()), mesh.faces().as_flattened())?;
     Ok(places.as_chunks::<2>().0.to_vec())
+}
+
+/// Returns the largest distance of a point of one surface from another one, by CGAL, within `error` of it.
+///
+/// # Errors
+/// What CGAL says.
+pub fn cgal_hausdorff(
+    from: &TriangleMesh,
+    to: &TriangleMesh,
+    error: f64,
+) -> Result<f64, cxx::Exception> {
+    bindings::cgal_hausdorff(
+        &flat(from.positions()),
+        from.faces().as_flattened(),
+        &flat(to.positions()),
+        to.faces().as_flattened(),
+        error,
+    )
+}
+
+/// Returns random points of one surface, as dense everywhere, and their distances from another one, drawn
+/// and measured by CGAL.
+///
+/// # Errors
+/// What CGAL says.
+pub fn cgal_sampled(
+    from: &TriangleMesh,
+    to: &TriangleMesh,
+    count: usize,
+) -> Result<Vec<(Point3<f64>, f64)>, cxx::Exception> {
+    let sampled = bindings::cgal_sampled(
+        &flat(from.positions()),
+        from.faces().as_flattened(),
+        &flat(to.positions()),
+        to.faces().as_flattened(),
+        count,
+    )?;
+    let (points, _) = sampled.points.as_chunks::<3>();
+    let points = points.iter().map(|&p| Point3::from(p));
+    Ok(points.zip(sampled.distances).collect())
 }
 
 /// Returns CGAL's cotangent of each corner's angle, three for each face.

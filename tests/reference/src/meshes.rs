@@ -48,18 +48,24 @@ pub fn all() -> Vec<(String, TriangleMesh)> {
 /// Returns the models that are there, and says which are not.
 #[must_use]
 pub fn models() -> Vec<(String, TriangleMesh)> {
+    let found = MODELS
+        .iter()
+        .filter_map(|&name| Some((name.to_owned(), model(name)?)));
+    found.collect()
+}
+
+/// Returns a model if it is there, and says if it is not.
+#[must_use]
+pub fn model(name: &str) -> Option<TriangleMesh> {
     let folder = env::var_os("MSPLINES_MODELS").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/models"),
         PathBuf::from,
     );
     // A relative folder is meant from the project's root, where the tests are started.
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let mut found = Vec::new();
-    for name in MODELS {
-        match read(&root.join(&folder).join(name)) {
-            Some(mesh) => found.push((name.to_owned(), mesh)),
-            None => println!("not run: {name}"),
-        }
+    let found = read(&root.join(&folder).join(name));
+    if found.is_none() {
+        println!("not run: {name}");
     }
     found
 }

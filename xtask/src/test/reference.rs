@@ -28,14 +28,22 @@ const OWN: &str = "package(msplines-reference)";
 /// nextest's name for all other tests.
 pub(super) const OTHERS: &str = "not package(msplines-reference)";
 /// The tests of this package that need its bindings alone.
-const TESTS: [&str; 5] = ["openmesh", "opensubdiv", "cgal", "cholmod", "solids"];
+const TESTS: [&str; 7] = [
+    "openmesh",
+    "opensubdiv",
+    "cgal",
+    "cholmod",
+    "flattening",
+    "solids",
+    "distances",
+];
 
 /// Tests that ask a program, and what installs it or says what to do.
 type Asking = (&'static [&'static str], fn() -> Result<(), String>);
 
 /// The tests of this package that ask programs.
 const ASKING: [Asking; 2] = [
-    (&["gismo", "vtk"], python::prepare),
+    (&["gismo", "tensor", "vtk"], python::prepare),
     (&["step"], draw::prepare),
 ];
 

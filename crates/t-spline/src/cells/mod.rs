@@ -58,11 +58,14 @@ mod tests;
 mod tile;
 mod tiling;
 
+use std::sync::Arc;
+
 use msplines_common::bspline::{BezierCells, BezierShell, CellShape};
 
 pub use error::CellError;
 pub use mesh::{Edge, Face, QuadMesh, SidePart, Vertex};
 
+use crate::complex::{CylinderComplex, Point};
 use crate::spline::TSpline;
 use patch::Patch;
 
@@ -98,6 +101,7 @@ pub struct CellReport {
 pub struct Patchwork {
     /// Exact ones first.
     patches: Vec<Patch>,
+    complex: Arc<CylinderComplex>,
     mesh: QuadMesh,
     report: CellReport,
 }
@@ -136,6 +140,7 @@ impl TSpline {
         };
         Ok(Patchwork {
             patches,
+            complex: Arc::clone(self.space().mesh().complex()),
             mesh,
             report,
         })
@@ -147,6 +152,17 @@ impl Patchwork {
     #[must_use]
     pub fn report(&self) -> CellReport {
         self.report
+    }
+
+    /// Returns where `(s, t)` of the unit square of a patch lies, whose point is that of the surface there, or
+    /// within the deviation of it. Patches are in the order of the cells.
+    ///
+    /// # Panics
+    /// If there is no such patch.
+    #[must_use]
+    pub fn place(&self, patch: usize, at: [f64; 2]) -> Point {
+        let Patch { tile, chart, .. } = &self.patches[patch];
+        tile.point(&self.complex, *chart, at)
     }
 
     /// Returns the patches as cells with weights, exact ones first; weights of approximate ones are 1.

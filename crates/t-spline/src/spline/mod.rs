@@ -34,6 +34,8 @@
 //! ```
 
 #[cfg(test)]
+mod refinement;
+#[cfg(test)]
 mod tests;
 
 use std::sync::Arc;

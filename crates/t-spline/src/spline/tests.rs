@@ -26,7 +26,7 @@ fn random_spline(complex: &Arc<CylinderComplex>, splits: usize, seed: u64, caps:
 }
 
 /// Value and derivatives of a point, in one.
-fn jets(spline: &TSpline, points: &[Point]) -> Vec<[Vector3<f64>; 6]> {
+pub(super) fn jets(spline: &TSpline, points: &[Point]) -> Vec<[Vector3<f64>; 6]> {
     let s = spline.evaluate(points, Order::Second);
     (0..points.len())
         .map(|i| {

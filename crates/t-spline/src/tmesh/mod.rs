@@ -214,8 +214,13 @@ impl TMesh {
         }
         low.level[axis] += 1;
         let mut high = low;
-        let extent = [low.x, low.y][axis];
-        let at = extent[0] + (extent[1] - extent[0]) / 2;
+        let at = if axis == 0 {
+            let own = low.cylinder as usize;
+            let cylinder = &self.complex.cylinders()[own];
+            self.grids[own].middle(cylinder, low.x, low.level[0] - 1)
+        } else {
+            low.y[0] + (low.y[1] - low.y[0]) / 2
+        };
         if axis == 0 {
             (low.x[1], high.x[0]) = (at, at);
         } else {

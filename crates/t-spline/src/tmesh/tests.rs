@@ -256,3 +256,31 @@ fn grids_have_about_the_cells_asked_for() {
     let wide = Grid::of_cells(&complex.cylinders()[0], 32.0, 4.0);
     assert_eq!((wide.columns, wide.rows), (4, 8));
 }
+
+/// Columns of one cylinder that are halved thirds of a border meet halved quarters of the next one: two lines
+/// a unit apart would be a double knot.
+#[test]
+fn lines_of_two_cylinders_that_are_one_have_no_interval_between_them() {
+    const LEAST: i64 = 1 << 20;
+    // Zeros of the double torus lie at 0 and 400 of 1000 below cylinder 0, at the ends of 1 and 2.
+    let columns = [[8, 4, 5], [5, 4, 9], [15, 2, 7], [7, 12, 3]];
+    for (rounds, columns) in [1, 2, 3].into_iter().flat_map(|n| columns.map(|c| (n, c))) {
+        let grids = columns.map(|columns| Grid { columns, rows: 2 });
+        let mut mesh = TMesh::build(&large_double_torus(), &grids).expect("a mesh");
+        for _ in 0..rounds {
+            for leaf in 0..mesh.leaves().len() as u32 {
+                assert!(mesh.split(leaf, Axis::X));
+            }
+        }
+        for node in mesh.anchors() {
+            for direction in [Direction::Left, Direction::Right] {
+                let [first, second] = mesh.ray(node, direction).crossings;
+                let rest = second - first;
+                assert!(
+                    first >= LEAST && (rest == 0 || rest >= LEAST),
+                    "{columns:?}: {node:?}"
+                );
+            }
+        }
+    }
+}

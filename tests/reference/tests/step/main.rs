@@ -1,6 +1,7 @@
 //! Shells in STEP files against OpenCASCADE.
 
 mod shells;
+mod t_splines;
 
 use msplines_common::bspline::{BezierShell, bernstein};
 use msplines_io::write_step;

@@ -1,6 +1,7 @@
 //! Files of solids and of Bézier cells against VTK and meshio.
 
 mod bezier;
+mod t_splines;
 
 use std::collections::BTreeMap;
 use std::path::Path;
