@@ -37,6 +37,8 @@ const CONTROL_OPACITY: f64 = 0.4;
 const CONTROL_LIFT: f64 = 0.004;
 /// About so many control triangles have thick sides.
 const FEW_CONTROL: f64 = 300.0;
+/// Pieces of an edge of a T-mesh, about.
+const PIECES: f64 = 8.0;
 /// Pixels of the corner per pixel of a magnified part.
 const MAGNIFICATION: usize = 3;
 /// What numbers are painted with where their scale is not known: all errors are zero, which is good,
@@ -56,6 +58,8 @@ pub(super) struct Stage<'a> {
     normals: Option<&'a [Vector3<f64>]>,
     /// Triangles that lie over the surface.
     control: Option<&'a TriangleMesh>,
+    /// Control points, and what joins them where that is asked for.
+    points: Option<(&'a TriangleMesh, &'a [[u32; 2]])>,
     /// The surface that the camera is turned to.
     pub(super) framed: &'a TriangleMesh,
     /// The mesh cut along the borders of its cells, where those are painted.
@@ -69,6 +73,7 @@ pub(super) struct Stage<'a> {
     creases: Vec<[u32; 2]>,
     shading: Shading,
     pub(super) knots: &'a [Point3<f64>],
+    knot_colour: Rgb,
     pub(super) camera: Camera,
 }
 
@@ -82,27 +87,38 @@ pub(super) fn draw(
     let source = subject.source;
     // Errors are known at the vertices of the input only.
     let fitted = (panel.show == Show::Error).then(|| fitted_input(source));
-    let mesh = match (panel.show, &fitted) {
-        (_, Some(fitted)) => fitted,
-        (Show::Spline | Show::Checkers | Show::ControlTriangles | Show::Isophotes, None) => {
-            &source.spline
-        }
-        (Show::Refinement, None) => &source.refinement()?.mesh,
-        (Show::Charts, None) => &source.charts()?.mesh,
-        (Show::Field, None) => source.shown(panel.on.unwrap_or_default())?.0,
-        (Show::Target, None) => &source.target()?.0,
-        (Show::Input | Show::Knots | Show::Error, None) => framed(panel, source)?,
+    let own = source.beside_t_spline(panel)?;
+    let mesh = match (&fitted, own) {
+        (Some(fitted), _) => fitted,
+        (None, Some(own)) => &own.field.mesh,
+        (None, None) => shown(panel, source)?,
     };
     let stage = stage(panel, subject, mesh, scale)?;
     let image = still(&stage, panel, options.pixels).map_err(|e| e.to_string())?;
     // Views that can be turned have colours of vertices only, and hold one surface.
-    let is_still = matches!(
-        panel.show,
-        Show::Checkers | Show::ControlTriangles | Show::Isophotes
-    );
+    let is_still = own.is_some()
+        || matches!(
+            panel.show,
+            Show::Checkers | Show::ControlTriangles | Show::Isophotes
+        );
     let is_turnable = options.views == Views::Turnable && !is_still;
     let payload = is_turnable.then(|| turnable(&stage, source, options.pixels));
     Ok(Picture { image, payload })
+}
+
+/// Returns the surface that a panel shows, of what several methods have.
+fn shown<'a>(panel: &Panel, source: &'a Source) -> Result<&'a TriangleMesh, String> {
+    Ok(match panel.show {
+        Show::Spline | Show::Checkers | Show::ControlTriangles | Show::Isophotes => &source.spline,
+        Show::Refinement => &source.refinement()?.mesh,
+        Show::Charts => &source.charts()?.mesh,
+        Show::Field => source.shown(panel.on.unwrap_or_default())?.0,
+        Show::Target => &source.target()?.0,
+        Show::Input | Show::Knots | Show::Error => framed(panel, source)?,
+        Show::Cylinders | Show::Rectangles | Show::ControlPoints | Show::Level => {
+            &source.of_t_spline(panel)?.field.mesh
+        }
+    })
 }
 
 /// Returns the input mesh with its vertices moved to the spline.
@@ -119,35 +135,40 @@ fn stage<'a>(
     scale: Option<&ColourScale>,
 ) -> Result<Stage<'a>, String> {
     let source = subject.source;
+    let own = source.beside_t_spline(panel)?;
     let (paint, colours) = paint(&subject.values, scale);
-    let lines = lines(panel, source);
+    let lines = lines(panel, source)?;
+    let is_domain = panel.edges == Edges::Domain;
     let edges = match (panel.edges, panel.show) {
         (Edges::None, _) => Vec::new(),
         (Edges::Domain, _) if lines.is_some() => lines.map_or_else(Vec::new, |l| l.edges.clone()),
+        (Edges::Domain, Show::ControlPoints) => Vec::new(),
         (Edges::Domain, Show::Spline | Show::Field) => source.domain_edges(),
         (Edges::Domain, _) => edges(mesh.faces()),
     };
-    let creases = lines.filter(|_| panel.edges == Edges::Domain);
+    let is_graph = matches!(panel.show, Show::Cylinders | Show::Rectangles);
+    let creases = lines.filter(|_| is_domain || is_graph);
     let creases = creases.map_or_else(Vec::new, |lines| lines.creases.clone());
-    let facets = match panel.show {
-        Show::Spline | Show::Target | Show::Checkers | Show::ControlTriangles | Show::Isophotes => {
-            false
-        }
-        Show::Field => lines.is_none(),
-        Show::Input | Show::Knots | Show::Error | Show::Refinement | Show::Charts => true,
-    };
     // The images of edges come in pieces.
     let pieces = match panel.show {
+        _ if own.is_some() => PIECES,
         Show::Spline | Show::Field | Show::ControlTriangles => source.pieces_per_edge(),
         _ => 1.0,
     };
     let count = edges.len() as f64 / pieces;
     let [thinnest, thickest] = EDGE_WIDTHS;
+    let edge_colour = edge_colour(panel, source, lines.is_some());
+    let own_normals = own.map(|own| own.normals.as_deref());
+    let normals = own_normals.unwrap_or_else(|| source.normals());
     Ok(Stage {
         mesh,
-        normals: source.normals().filter(|n| n.len() == mesh.vertex_count()),
+        normals: normals.filter(|n| n.len() == mesh.vertex_count()),
         control: match panel.show {
             Show::ControlTriangles => Some(&source.control()?.mesh),
+            _ => None,
+        },
+        points: match panel.show {
+            Show::ControlPoints => Some(control_points(panel, source)?),
             _ => None,
         },
         framed: framed(panel, source)?,
@@ -158,18 +179,11 @@ fn stage<'a>(
         paint,
         colours,
         edges,
-        // Creases are red where there are any to tell.
-        edge_colour: if panel.show == Show::Spline
-            && (lines.is_none() || source.normals().is_some())
-        {
-            Rgb::RED
-        } else {
-            EDGE
-        },
+        edge_colour,
         creases,
         edge_width: (thickest * (FEW_EDGES / count).sqrt()).clamp(thinnest, thickest),
         // A coarse mesh is shown as the facets that it is.
-        shading: if facets && count <= FEW_EDGES && panel.edges == Edges::Domain {
+        shading: if has_facets(panel, lines.is_none()) && count <= FEW_EDGES && is_domain {
             Shading::Flat
         } else {
             Shading::Smooth
@@ -179,21 +193,65 @@ fn stage<'a>(
         } else {
             &[]
         },
+        // On the red curves of a T-mesh red would not be seen.
+        knot_colour: if own.is_some() && is_domain && edge_colour == Rgb::RED {
+            Rgb::BLUE
+        } else {
+            Rgb::RED
+        },
         camera: camera(panel, source)?,
     })
 }
 
-/// Returns the lines on the surface of a panel, where a run left them.
-fn lines<'a>(panel: &Panel, source: &'a Source) -> Option<&'a OwnLines> {
+/// Returns the control points of a panel, and what joins them where its edges are asked for.
+fn control_points<'a>(
+    panel: &Panel,
+    source: &'a Source,
+) -> Result<(&'a TriangleMesh, &'a [[u32; 2]]), String> {
+    let control = source.control_points()?;
+    let sides = match panel.edges {
+        Edges::None => &[][..],
+        Edges::Domain => &control.lines.edges,
+    };
+    Ok((&control.mesh, sides))
+}
+
+/// Returns the colour of edges: creases are red where there are any to tell.
+fn edge_colour(panel: &Panel, source: &Source, has_lines: bool) -> Rgb {
+    let is_red = match panel.show {
+        Show::Spline => !has_lines || source.normals().is_some() || source.t_spline.is_some(),
+        Show::Level => true,
+        _ => false,
+    };
+    if is_red { Rgb::RED } else { EDGE }
+}
+
+/// Returns whether the surface of a panel may be shown as facets.
+fn has_facets(panel: &Panel, has_no_lines: bool) -> bool {
     match panel.show {
+        Show::Field => has_no_lines,
+        Show::Input | Show::Knots | Show::Error | Show::Refinement | Show::Charts => true,
+        _ => false,
+    }
+}
+
+/// Returns the lines on the surface of a panel, where a run left them.
+fn lines<'a>(panel: &Panel, source: &'a Source) -> Result<Option<&'a OwnLines>, String> {
+    if panel.show == Show::ControlPoints {
+        return Ok(None);
+    }
+    if let Some(own) = source.beside_t_spline(panel)? {
+        return Ok(Some(&own.field.lines));
+    }
+    Ok(match panel.show {
         Show::Input => source.lines().map(|[control, _]| control),
         Show::Spline | Show::ControlTriangles => source.lines().map(|[_, spline]| spline),
         Show::Refinement => source.refinement().ok().map(|split| &split.lines),
         Show::Charts => source.charts().ok().map(|charts| &charts.lines),
         Show::Field => source.field_lines(panel.on.unwrap_or_default()),
         Show::Target => source.target().ok().map(|target| &target.1),
-        Show::Error | Show::Knots | Show::Checkers | Show::Isophotes => None,
-    }
+        _ => None,
+    })
 }
 
 /// Returns how the surface is painted, and the colour of each of its vertices.
@@ -233,13 +291,18 @@ struct Control {
 impl Control {
     /// Moves triangles a little towards the eye: they touch the surface, which would hide half of them.
     fn new(mesh: &TriangleMesh, camera: &Camera) -> Self {
-        let eye = camera.eye();
-        let lifted = mesh.positions().iter();
         Self {
-            lifted: lifted.map(|p| p + CONTROL_LIFT * (eye - p)).collect(),
+            lifted: lifted(mesh, camera),
             sides: edges(mesh.faces()),
         }
     }
+}
+
+/// Returns the vertices of a mesh a little nearer to the eye.
+fn lifted(mesh: &TriangleMesh, camera: &Camera) -> Vec<Point3<f64>> {
+    let eye = camera.eye();
+    let vertices = mesh.positions().iter();
+    vertices.map(|p| p + CONTROL_LIFT * (eye - p)).collect()
 }
 
 fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, PictureError> {
@@ -281,13 +344,22 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
             .width(CREASE_WIDTH * stage.edge_width * per_thousand);
         scene.add(curves);
     }
+    let points = stage
+        .points
+        .map(|(mesh, sides)| (lifted(mesh, &stage.camera), sides));
+    if let Some((points, sides)) = &points {
+        let radius = Radius::Pixels(knot_radius(points.len()) * per_thousand);
+        scene.add(Spheres::new(points).radius(radius));
+        scene.add(
+            Curves::new(points, sides)
+                .colour(EDGE)
+                .width(EDGE_WIDTHS[0]),
+        );
+    }
     if !stage.knots.is_empty() {
-        let spheres = Spheres::new(stage.knots)
-            .radius(Radius::Pixels(
-                knot_radius(stage.knots.len()) * per_thousand,
-            ))
-            .colour(Rgb::RED);
-        scene.add(spheres);
+        let radius = Radius::Pixels(knot_radius(stage.knots.len()) * per_thousand);
+        let spheres = Spheres::new(stage.knots).radius(radius);
+        scene.add(spheres.colour(stage.knot_colour));
     }
     let drawing = Drawing {
         width: pixels,

@@ -2,7 +2,9 @@
 
 mod evaluate;
 mod measure;
+pub(crate) mod pictures;
 mod poles;
+mod tiles;
 mod write;
 
 use std::sync::Arc;
@@ -59,7 +61,7 @@ fn run(
     enter("fit", clock, observer);
     let fit = fitted(&domain, method, &input, clock, observer)?;
     let report = fit.report;
-    let levels = fit.levels.len();
+    let levels = fit.levels;
     let vertices = domain.mesh().vertex_count();
     let shifts = fit.samples[..vertices].iter().map(|s| s.shift).collect();
     let surface = TSplineSurface::new(domain, shifts, fit.spline);
@@ -83,7 +85,9 @@ fn run(
     record
         .checks
         .insert("rounds".to_owned(), json!(report.rounds));
-    record.checks.insert("levels".to_owned(), json!(levels));
+    record
+        .checks
+        .insert("levels".to_owned(), json!(levels.len()));
     distances(&mut record, case, &input, &surface, &at_vertices)?;
     enter("write", clock, observer);
     let written = Written {
@@ -94,7 +98,11 @@ fn run(
     };
     write::write(&case.outputs, &written)?;
     let marks = marks(&surface, &at_vertices);
-    Ok(output(record, file, at_vertices, marks, clock))
+    let mut output = output(record, file, at_vertices, marks, clock);
+    if method.pictures {
+        pictures::add(&mut output, &surface, &levels, &input.mesh);
+    }
+    Ok(output)
 }
 
 /// Cuts the input into cylinders.
