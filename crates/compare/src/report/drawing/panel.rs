@@ -37,6 +37,8 @@ const CONTROL_OPACITY: f64 = 0.4;
 const CONTROL_LIFT: f64 = 0.004;
 /// About so many control triangles have thick sides.
 const FEW_CONTROL: f64 = 300.0;
+/// Width of the coarse grids on cylinders, likewise.
+const GRAPH_WIDTH: f64 = 2.6;
 /// Pieces of an edge of a T-mesh, about.
 const PIECES: f64 = 8.0;
 /// Pixels of the corner per pixel of a magnified part.
@@ -181,7 +183,11 @@ fn stage<'a>(
         edges,
         edge_colour,
         creases,
-        edge_width: (thickest * (FEW_EDGES / count).sqrt()).clamp(thinnest, thickest),
+        edge_width: if is_graph {
+            GRAPH_WIDTH
+        } else {
+            (thickest * (FEW_EDGES / count).sqrt()).clamp(thinnest, thickest)
+        },
         // A coarse mesh is shown as the facets that it is.
         shading: if has_facets(panel, lines.is_none()) && count <= FEW_EDGES && is_domain {
             Shading::Flat
@@ -193,8 +199,10 @@ fn stage<'a>(
         } else {
             &[]
         },
-        // On the red curves of a T-mesh red would not be seen.
-        knot_colour: if own.is_some() && is_domain && edge_colour == Rgb::RED {
+        // On the red curves of a T-mesh, and on a critical graph, red would not be seen.
+        knot_colour: if is_graph {
+            Rgb::INK
+        } else if own.is_some() && is_domain && edge_colour == Rgb::RED {
             Rgb::BLUE
         } else {
             Rgb::RED

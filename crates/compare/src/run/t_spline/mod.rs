@@ -2,6 +2,7 @@
 
 mod evaluate;
 mod measure;
+mod net;
 pub(crate) mod pictures;
 mod poles;
 mod tiles;

@@ -4,23 +4,20 @@
 use std::collections::BTreeMap;
 
 use msplines_common::Point3;
-use msplines_common::mesh::{SurfacePoint, TriangleMesh, VertexAttribute};
+use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_picture::category_colours;
 use msplines_t_spline::caps::CapKind;
 use msplines_t_spline::complex::{Beyond, CylinderComplex, Node};
 use msplines_t_spline::fit::Level;
-use msplines_t_spline::{Domain, TSpline, TSplineSurface};
+use msplines_t_spline::{TSpline, TSplineSurface};
 use serde_json::{Value, json};
 
-use super::tiles::Tiled;
-use crate::run::{CHECKERS, Companion, RunOutput};
+use super::net;
+use super::tiles::{Lines, Tiled};
+use crate::run::{Companion, RunOutput};
 
 /// Sides of triangles along the diagonal of the surface.
 const ALONG_DIAGONAL: f64 = 250.0;
-/// Squares of the form along the diagonal, where the form has its median scale.
-const SQUARES: f64 = 40.0;
-/// Rows are stretched by at most this share to be a whole number of pairs.
-const STRETCHED: f64 = 0.08;
 /// The surface that is tiled by its T-mesh, the one that is tiled by the first T-mesh, its cylinders in
 /// the plane, the mesh that the form lies on, and the control points.
 pub(crate) const SURFACE: &str = "t-mesh";
@@ -49,26 +46,25 @@ pub(super) fn add(
         .record
         .checks
         .extend(checks(levels, (high - low).max()));
-    let own = spline.space().mesh();
     let first = levels.first().map_or(spline, |level| &level.spline);
     let base = first.space().mesh();
-    let tiled = Tiled::on_surface(spline, own, reach);
+    let tiled = Tiled::on_surface(spline, Lines::All, reach);
     output.companions.push(tiled.companion(SURFACE, Vec::new()));
     let palette = palette(domain.complex());
-    let on_surface = (CYLINDERS, Tiled::on_surface(spline, base, reach));
+    let on_surface = (
+        CYLINDERS,
+        Tiled::on_surface(spline, Lines::Grid(base), reach),
+    );
     for (name, tiled) in [on_surface, (RECTANGLES, Tiled::flat(base))] {
         let colours = colours(&tiled.cylinders, &palette);
         output.companions.push(tiled.companion(name, colours));
     }
-    output.companions.push(Companion {
-        mesh: Some(domain.mesh().clone()),
-        ..bare(NET)
-    });
-    output.texture = Some(squares(domain));
+    let (net, squares) = net::net(domain);
+    output.companions.push(net);
+    output.texture = Some(squares);
     output.companions.push(control(spline));
     for (name, level) in LEVELS.into_iter().zip(chosen(levels)) {
-        let mesh = level.spline.space().mesh();
-        let tiled = Tiled::on_surface(&level.spline, mesh, reach);
+        let tiled = Tiled::on_surface(&level.spline, Lines::All, reach);
         output.companions.push(tiled.companion(name, Vec::new()));
     }
 }
@@ -106,7 +102,7 @@ fn chosen(levels: &[Level]) -> Vec<&Level> {
     chosen
 }
 
-fn bare(name: &'static str) -> Companion {
+pub(super) fn bare(name: &'static str) -> Companion {
     Companion {
         name,
         mesh: None,
@@ -142,65 +138,6 @@ fn colours(cylinders: &[u32], palette: &[[u8; 3]]) -> Vec<VertexAttribute> {
         },
     };
     CHANNELS.into_iter().zip(0..).map(channel).collect()
-}
-
-/// Returns the texture coordinates of the corners of every face: squares of the form, a whole number of
-/// pairs around every cylinder. Where rows fit nearly, they are made to.
-fn squares(domain: &Domain) -> Vec<[[f64; 2]; 3]> {
-    let side = median_scale(domain) * domain.mesh().diagonal() / SQUARES;
-    let pairs = |length: f64, side: f64| 2.0 * (length / (2.0 * side)).round().max(1.0);
-    let scale = |own: &msplines_t_spline::complex::Cylinder| {
-        let [size, height] = [own.circumference, own.height].map(|n| n as f64);
-        let x = pairs(size, side) / size;
-        let y = pairs(height, 1.0 / x) / height;
-        [
-            x,
-            if (y / x - 1.0).abs() < STRETCHED {
-                y
-            } else {
-                x
-            },
-        ]
-    };
-    let scales: Vec<[f64; 2]> = domain.complex().cylinders().iter().map(scale).collect();
-    let corners = |face| {
-        let patch = domain.patch(&middle(face));
-        let scale = scales[patch.cylinder as usize];
-        patch
-            .corners
-            .map(|at| [0, 1].map(|k| at[k] * scale[k] / CHECKERS))
-    };
-    (0..domain.mesh().face_count() as u32)
-        .map(corners)
-        .collect()
-}
-
-fn middle(face: u32) -> SurfacePoint {
-    SurfacePoint {
-        face,
-        at: [1.0 / 3.0; 3],
-    }
-}
-
-/// The median over the surface of lengths on the cylinders over lengths on the surface.
-fn median_scale(domain: &Domain) -> f64 {
-    let mesh = domain.mesh();
-    let of_face = |face: u32| {
-        let [a, b, c] = domain.patch(&middle(face)).corners;
-        let flat = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        let area = mesh.face_normal(face).norm();
-        ((flat.max(0.0) / area).sqrt(), area)
-    };
-    let faces = (0..mesh.face_count() as u32).map(of_face);
-    let mut scales: Vec<(f64, f64)> = faces.filter(|(scale, _)| scale.is_normal()).collect();
-    scales.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = scales.iter().map(|(_, area)| area).sum::<f64>() / 2.0;
-    let mut sum = 0.0;
-    let median = scales.iter().find(|(_, area)| {
-        sum += area;
-        sum >= half
-    });
-    median.map_or(1.0, |found| found.0)
 }
 
 /// Returns the control points, joined as the T-mesh joins their anchors. At zeros it has the surface

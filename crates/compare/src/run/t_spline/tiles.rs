@@ -1,18 +1,21 @@
 //! A T-spline as triangles along the lines of a T-mesh, for pictures.
 
+use std::collections::BTreeSet;
+
 use msplines_common::evaluate::Order;
 use msplines_common::mesh::{TriangleMesh, VertexAttribute};
 use msplines_common::{Point3, Vector3};
 use msplines_t_spline::complex::{Beyond, Border, CylinderComplex, Point};
+use msplines_t_spline::tmesh::Leaf;
 use msplines_t_spline::{TMesh, TSpline};
 
 use crate::output::NORMALS;
 use crate::run::Companion;
 
 /// Fewest and most segments along a side of a face.
-const SEGMENTS: [f64; 2] = [2.0, 64.0];
+const SEGMENTS: [f64; 2] = [4.0, 100.0];
 /// Points along a side by which its length is found.
-const MEASURED: usize = 5;
+const MEASURED: usize = 7;
 /// Points of a face lie so far inside of it, as a share of its size: at zeros there are no derivatives.
 const INSIDE: f64 = 1e-7;
 /// Radius at which what closes a pole ends, over that of its border.
@@ -27,6 +30,29 @@ enum Line {
     Curve,
     /// A part of the critical graph.
     Critical,
+}
+
+/// Which lines of a T-mesh are drawn.
+#[derive(Clone, Copy)]
+pub(super) enum Lines<'a> {
+    /// All.
+    All,
+    /// Those that were there before faces were split: in every cylinder a grid.
+    Grid(&'a TMesh),
+}
+
+impl Lines<'_> {
+    /// Returns the columns and rows that are drawn, by cylinder; nothing if all are.
+    fn drawn(self) -> [Option<BTreeSet<(u32, i64)>>; 2] {
+        let Self::Grid(grid) = self else {
+            return [None, None];
+        };
+        let ends = |low: fn(&Leaf) -> i64| {
+            let leaves = grid.leaves().iter();
+            Some(leaves.map(|leaf| (leaf.cylinder, low(leaf))).collect())
+        };
+        [ends(|leaf| leaf.x[0]), ends(|leaf| leaf.y[0])]
+    }
 }
 
 /// A grid of points on a cylinder.
@@ -51,9 +77,10 @@ pub(super) struct Tiled {
 }
 
 impl Tiled {
-    /// Returns the surface along the lines of a T-mesh, in triangles with sides of about `reach`.
-    pub(super) fn on_surface(spline: &TSpline, mesh: &TMesh, reach: f64) -> Self {
-        let mut tiles = leaves(mesh, &sides(spline, mesh), reach);
+    /// Returns a surface along the lines of its T-mesh, in triangles with sides of about `reach`.
+    pub(super) fn on_surface(spline: &TSpline, lines: Lines<'_>, reach: f64) -> Self {
+        let mesh = spline.space().mesh();
+        let mut tiles = leaves(mesh, lines, &sides(spline, mesh), reach);
         tiles.extend(around_poles(spline, mesh.complex(), reach));
         Self::of(&tiles, |points| {
             let found = spline.evaluate(points, Order::First);
@@ -69,7 +96,7 @@ impl Tiled {
         let unit = (complex.area() as f64).sqrt();
         let origins = origins(complex, unit);
         let one = vec![[1.0; 2]; mesh.leaves().len()];
-        let tiles = leaves(mesh, &one, 1.0);
+        let tiles = leaves(mesh, Lines::All, &one, 1.0);
         Self::of(&tiles, |points| {
             let place = |point: &Point| {
                 let [x, y] = origins[point.cylinder as usize];
@@ -146,14 +173,19 @@ impl Tiled {
 }
 
 /// Returns the leaves of a mesh with `sizes` along `x` and `y` in pieces of about `reach`.
-fn leaves(mesh: &TMesh, sizes: &[[f64; 2]], reach: f64) -> Vec<Tile> {
+fn leaves(mesh: &TMesh, lines: Lines<'_>, sizes: &[[f64; 2]], reach: f64) -> Vec<Tile> {
     let complex = mesh.complex();
-    let tile = |(leaf, size): (&msplines_t_spline::tmesh::Leaf, &[f64; 2])| {
+    let [columns, rows] = lines.drawn();
+    let line = |known: &Option<BTreeSet<(u32, i64)>>, key: (u32, i64)| {
+        let is_drawn = known.as_ref().is_none_or(|known| known.contains(&key));
+        if is_drawn { Line::Curve } else { Line::None }
+    };
+    let tile = |(leaf, size): (&Leaf, &[f64; 2])| {
         let own = &complex.cylinders()[leaf.cylinder as usize];
-        let [columns, rows] = [(leaf.x, size[0]), (leaf.y, size[1])].map(|(range, size)| {
+        let spaced = |range: [i64; 2], size: f64| {
             let count = (size / reach).ceil().clamp(SEGMENTS[0], SEGMENTS[1]) as u32;
             spread(range.map(|end| end as f64), count)
-        });
+        };
         let beyond = |border, x| complex.segment(leaf.cylinder, border, x).beyond;
         let is_open = |border| !matches!(beyond(border, leaf.x[0]), Beyond::Cylinder { .. });
         let is_critical = |border| {
@@ -162,14 +194,14 @@ fn leaves(mesh: &TMesh, sizes: &[[f64; 2]], reach: f64) -> Vec<Tile> {
         };
         Tile {
             cylinder: leaf.cylinder,
-            columns,
-            rows,
+            columns: spaced(leaf.x, size[0]),
+            rows: spaced(leaf.y, size[1]),
             bottom: if leaf.y[0] == 0 && is_critical(Border::Bottom) {
                 Line::Critical
             } else {
-                Line::Curve
+                line(&rows, (leaf.cylinder, leaf.y[0]))
             },
-            left: Line::Curve,
+            left: line(&columns, (leaf.cylinder, leaf.x[0])),
             // Below another tile it is that one's lower side.
             top: if leaf.y[1] == own.height && is_open(Border::Top) {
                 Line::Curve
@@ -189,7 +221,7 @@ fn spread([low, high]: [f64; 2], count: u32) -> Vec<f64> {
 
 /// Returns the lengths of every leaf on the surface along `x` and `y`.
 fn sides(spline: &TSpline, mesh: &TMesh) -> Vec<[f64; 2]> {
-    let grid = |leaf: &msplines_t_spline::tmesh::Leaf| {
+    let grid = |leaf: &Leaf| {
         let ranges = [leaf.x, leaf.y].map(|range| range.map(|end| end as f64));
         let [columns, rows] = ranges.map(|range| spread(range, MEASURED as u32 - 1));
         let cylinder = leaf.cylinder;
