@@ -5,6 +5,7 @@ mod camera;
 mod companions;
 mod fitted;
 mod frames;
+mod lines;
 mod panel;
 mod plots;
 mod scales;

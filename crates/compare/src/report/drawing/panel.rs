@@ -8,26 +8,19 @@ use msplines_picture::{
 };
 
 use super::camera::{camera, framed};
-use super::companions::Lines as OwnLines;
+use super::lines::{EDGE, EDGE_WIDTHS, Lines};
 use super::source::Source;
+use super::t_spline::ControlNet;
 use super::turnable::turnable;
 use super::values::{SplitFaces, Subject, Values};
 use super::{DrawingOptions, Views};
-use crate::experiment::{Callout as Part, Corner as PartCorner, Edges, Panel, Show};
+use crate::experiment::{Callout as Part, Corner as PartCorner, Panel, Show};
 use crate::run::CHECKERS;
 
-/// Meshes of more edges have theirs drawn finer, so that the surface stays visible.
-const FEW_EDGES: f64 = 3_000.0;
-/// Thinnest and thickest edge in pixels of a picture of 1,000 pixels.
-const EDGE_WIDTHS: [f64; 2] = [0.6, 2.0];
-/// Width of a crease, in widths of an edge.
-const CREASE_WIDTH: f64 = 2.0;
 /// Smallest and largest radius of a knot in pixels of a picture of 1,000 pixels.
 const KNOT_RADII: [f64; 2] = [2.5, 7.0];
 /// Side of a picture over the distance of its knots, about: so many share it.
 const KNOT_SHARE: f64 = 130.0;
-/// Colour of edges on a mesh.
-const EDGE: Rgb = Rgb::new(92, 98, 108);
 /// Colours of the squares of a checkerboard.
 const SQUARES: [Rgb; 2] = [Rgb::new(244, 241, 234), Rgb::new(64, 104, 150)];
 /// Colour of control triangles, and how much of it hides what is behind.
@@ -37,10 +30,6 @@ const CONTROL_OPACITY: f64 = 0.4;
 const CONTROL_LIFT: f64 = 0.004;
 /// About so many control triangles have thick sides.
 const FEW_CONTROL: f64 = 300.0;
-/// Width of the coarse grids on cylinders, likewise.
-const GRAPH_WIDTH: f64 = 2.6;
-/// Pieces of an edge of a T-mesh, about.
-const PIECES: f64 = 8.0;
 /// Pixels of the corner per pixel of a magnified part.
 const MAGNIFICATION: usize = 3;
 /// What numbers are painted with where their scale is not known: all errors are zero, which is good,
@@ -61,18 +50,14 @@ pub(super) struct Stage<'a> {
     /// Triangles that lie over the surface.
     control: Option<&'a TriangleMesh>,
     /// Control points, and what joins them where that is asked for.
-    points: Option<(&'a TriangleMesh, &'a [[u32; 2]])>,
+    points: Option<ControlNet<'a>>,
     /// The surface that the camera is turned to.
     pub(super) framed: &'a TriangleMesh,
     /// The mesh cut along the borders of its cells, where those are painted.
     cells: Option<&'a SplitFaces>,
     paint: Paint<'a>,
     pub(super) colours: Vec<Rgb>,
-    pub(super) edges: Vec<[u32; 2]>,
-    pub(super) edge_colour: Rgb,
-    pub(super) edge_width: f64,
-    /// Edges that are drawn red, or black where the others are red.
-    creases: Vec<[u32; 2]>,
+    pub(super) lines: Lines,
     shading: Shading,
     pub(super) knots: &'a [Point3<f64>],
     knot_colour: Rgb,
@@ -139,27 +124,7 @@ fn stage<'a>(
     let source = subject.source;
     let own = source.beside_t_spline(panel)?;
     let (paint, colours) = paint(&subject.values, scale);
-    let lines = lines(panel, source)?;
-    let is_domain = panel.edges == Edges::Domain;
-    let edges = match (panel.edges, panel.show) {
-        (Edges::None, _) => Vec::new(),
-        (Edges::Domain, _) if lines.is_some() => lines.map_or_else(Vec::new, |l| l.edges.clone()),
-        (Edges::Domain, Show::ControlPoints) => Vec::new(),
-        (Edges::Domain, Show::Spline | Show::Field) => source.domain_edges(),
-        (Edges::Domain, _) => edges(mesh.faces()),
-    };
-    let is_graph = matches!(panel.show, Show::Cylinders | Show::Rectangles);
-    let creases = lines.filter(|_| is_domain || is_graph);
-    let creases = creases.map_or_else(Vec::new, |lines| lines.creases.clone());
-    // The images of edges come in pieces.
-    let pieces = match panel.show {
-        _ if own.is_some() => PIECES,
-        Show::Spline | Show::Field | Show::ControlTriangles => source.pieces_per_edge(),
-        _ => 1.0,
-    };
-    let count = edges.len() as f64 / pieces;
-    let [thinnest, thickest] = EDGE_WIDTHS;
-    let edge_colour = edge_colour(panel, source, lines.is_some());
+    let lines = Lines::of(panel, source, mesh)?;
     let own_normals = own.map(|own| own.normals.as_deref());
     let normals = own_normals.unwrap_or_else(|| source.normals());
     Ok(Stage {
@@ -170,7 +135,7 @@ fn stage<'a>(
             _ => None,
         },
         points: match panel.show {
-            Show::ControlPoints => Some(control_points(panel, source)?),
+            Show::ControlPoints => Some(source.control_points(panel)?),
             _ => None,
         },
         framed: framed(panel, source)?,
@@ -180,16 +145,8 @@ fn stage<'a>(
         },
         paint,
         colours,
-        edges,
-        edge_colour,
-        creases,
-        edge_width: if is_graph {
-            GRAPH_WIDTH
-        } else {
-            (thickest * (FEW_EDGES / count).sqrt()).clamp(thinnest, thickest)
-        },
         // A coarse mesh is shown as the facets that it is.
-        shading: if has_facets(panel, lines.is_none()) && count <= FEW_EDGES && is_domain {
+        shading: if has_facets(panel, !lines.is_own) && lines.is_coarse(panel) {
             Shading::Flat
         } else {
             Shading::Smooth
@@ -199,39 +156,10 @@ fn stage<'a>(
         } else {
             &[]
         },
-        // On the red curves of a T-mesh, and on a critical graph, red would not be seen.
-        knot_colour: if is_graph {
-            Rgb::INK
-        } else if own.is_some() && is_domain && edge_colour == Rgb::RED {
-            Rgb::BLUE
-        } else {
-            Rgb::RED
-        },
+        knot_colour: lines.knot_colour(panel, own.is_some()),
+        lines,
         camera: camera(panel, source)?,
     })
-}
-
-/// Returns the control points of a panel, and what joins them where its edges are asked for.
-fn control_points<'a>(
-    panel: &Panel,
-    source: &'a Source,
-) -> Result<(&'a TriangleMesh, &'a [[u32; 2]]), String> {
-    let control = source.control_points()?;
-    let sides = match panel.edges {
-        Edges::None => &[][..],
-        Edges::Domain => &control.lines.edges,
-    };
-    Ok((&control.mesh, sides))
-}
-
-/// Returns the colour of edges: creases are red where there are any to tell.
-fn edge_colour(panel: &Panel, source: &Source, has_lines: bool) -> Rgb {
-    let is_red = match panel.show {
-        Show::Spline => !has_lines || source.normals().is_some() || source.t_spline.is_some(),
-        Show::Level => true,
-        _ => false,
-    };
-    if is_red { Rgb::RED } else { EDGE }
 }
 
 /// Returns whether the surface of a panel may be shown as facets.
@@ -241,25 +169,6 @@ fn has_facets(panel: &Panel, has_no_lines: bool) -> bool {
         Show::Input | Show::Knots | Show::Error | Show::Refinement | Show::Charts => true,
         _ => false,
     }
-}
-
-/// Returns the lines on the surface of a panel, where a run left them.
-fn lines<'a>(panel: &Panel, source: &'a Source) -> Result<Option<&'a OwnLines>, String> {
-    if panel.show == Show::ControlPoints {
-        return Ok(None);
-    }
-    if let Some(own) = source.beside_t_spline(panel)? {
-        return Ok(Some(&own.field.lines));
-    }
-    Ok(match panel.show {
-        Show::Input => source.lines().map(|[control, _]| control),
-        Show::Spline | Show::ControlTriangles => source.lines().map(|[_, spline]| spline),
-        Show::Refinement => source.refinement().ok().map(|split| &split.lines),
-        Show::Charts => source.charts().ok().map(|charts| &charts.lines),
-        Show::Field => source.field_lines(panel.on.unwrap_or_default()),
-        Show::Target => source.target().ok().map(|target| &target.1),
-        _ => None,
-    })
 }
 
 /// Returns how the surface is painted, and the colour of each of its vertices.
@@ -304,6 +213,17 @@ impl Control {
             sides: edges(mesh.faces()),
         }
     }
+
+    /// Adds them to a scene.
+    fn add_to<'a>(&'a self, scene: &mut Scene<'a>, mesh: &'a TriangleMesh, per_thousand: f64) {
+        let width = EDGE_WIDTHS[0] + FEW_CONTROL / mesh.face_count() as f64;
+        let width = width.min(EDGE_WIDTHS[1]) * per_thousand;
+        let triangles = Surface::new(&self.lifted, mesh.faces());
+        let triangles = triangles.paint(Paint::Uniform(CONTROL));
+        scene.add(triangles.shading(Shading::Flat).opacity(CONTROL_OPACITY));
+        let sides = Curves::new(&self.lifted, &self.sides);
+        scene.add(sides.colour(CONTROL).width(width));
+    }
 }
 
 /// Returns the vertices of a mesh a little nearer to the eye.
@@ -328,41 +248,18 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
     scene.add(surface.paint(stage.paint).shading(stage.shading));
     let control = stage.control.map(|mesh| Control::new(mesh, &stage.camera));
     if let (Some(control), Some(mesh)) = (&control, stage.control) {
-        let width = EDGE_WIDTHS[0] + FEW_CONTROL / mesh.face_count() as f64;
-        let width = width.min(EDGE_WIDTHS[1]) * per_thousand;
-        let triangles = Surface::new(&control.lifted, mesh.faces());
-        let triangles = triangles.paint(Paint::Uniform(CONTROL));
-        scene.add(triangles.shading(Shading::Flat).opacity(CONTROL_OPACITY));
-        let sides = Curves::new(&control.lifted, &control.sides);
-        scene.add(sides.colour(CONTROL).width(width));
+        control.add_to(&mut scene, mesh, per_thousand);
     }
-    if !stage.edges.is_empty() {
-        let curves = Curves::new(positions, &stage.edges)
-            .colour(stage.edge_colour)
-            .width(stage.edge_width * per_thousand);
-        scene.add(curves);
-    }
-    if !stage.creases.is_empty() {
-        let curves = Curves::new(positions, &stage.creases)
-            .colour(if stage.edge_colour == Rgb::RED {
-                Rgb::INK
-            } else {
-                Rgb::RED
-            })
-            .width(CREASE_WIDTH * stage.edge_width * per_thousand);
-        scene.add(curves);
-    }
+    let [curves, creases] = stage.lines.curves(positions, per_thousand);
+    scene.add(curves).add(creases);
     let points = stage
         .points
         .map(|(mesh, sides)| (lifted(mesh, &stage.camera), sides));
     if let Some((points, sides)) = &points {
         let radius = Radius::Pixels(knot_radius(points.len()) * per_thousand);
+        let sides = Curves::new(points, sides).colour(EDGE);
         scene.add(Spheres::new(points).radius(radius));
-        scene.add(
-            Curves::new(points, sides)
-                .colour(EDGE)
-                .width(EDGE_WIDTHS[0]),
-        );
+        scene.add(sides.width(EDGE_WIDTHS[0] * per_thousand));
     }
     if !stage.knots.is_empty() {
         let radius = Radius::Pixels(knot_radius(stage.knots.len()) * per_thousand);

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use msplines_common::Vector3;
+use msplines_common::mesh::TriangleMesh;
 use msplines_picture::Rgb;
 
 use super::Unit;
@@ -11,13 +12,16 @@ use super::companions::FieldMesh;
 use super::fitted::colours;
 use super::source::{Source, normals};
 use crate::campaign::RowReport;
-use crate::experiment::{Panel, Show};
+use crate::experiment::{Edges, Panel, Show};
 use crate::run::t_spline_pictures::{CONTROL, CYLINDERS, LEVELS, NET, RECTANGLES, SURFACE};
 
 /// Channels of the colours of vertices.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 /// Why there is nothing.
 const NO_PICTURES: &str = "only T-splines with `t_spline = { pictures = true }` have it";
+
+/// Control points, and pairs of them that are joined.
+pub(super) type ControlNet<'a> = (&'a TriangleMesh, &'a [[u32; 2]]);
 
 /// A surface with exact normals.
 pub(super) struct Tiled {
@@ -105,13 +109,18 @@ impl Source {
         }
     }
 
-    /// Returns the control points and what joins them.
-    pub(super) fn control_points(&self) -> Result<&FieldMesh, String> {
+    /// Returns the control points of a panel, and what joins them where its edges are asked for.
+    pub(super) fn control_points(&self, panel: &Panel) -> Result<ControlNet<'_>, String> {
         let surfaces = self
             .t_spline
             .as_ref()
             .ok_or_else(|| NO_PICTURES.to_owned())?;
-        Ok(&surfaces.surface(CONTROL)?.field)
+        let control = &surfaces.surface(CONTROL)?.field;
+        let sides = match panel.edges {
+            Edges::None => &[][..],
+            Edges::Domain => &control.lines.edges,
+        };
+        Ok((&control.mesh, sides))
     }
 }
 
