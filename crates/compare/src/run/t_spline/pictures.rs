@@ -49,6 +49,10 @@ pub(super) fn add(
     let first = levels.first().map_or(spline, |level| &level.spline);
     let base = first.space().mesh();
     let tiled = Tiled::on_surface(spline, Lines::All, reach);
+    // Between the vertices nothing else bounds the surface.
+    let beyond = tiled.beyond([low, high]) / (high - low).norm();
+    let checks = &mut output.record.checks;
+    checks.insert("beyond_box".to_owned(), json!(beyond));
     output.companions.push(tiled.companion(SURFACE, Vec::new()));
     let palette = palette(domain.complex());
     let on_surface = (

@@ -90,6 +90,12 @@ impl Tiled {
         })
     }
 
+    /// Returns how far the surface reaches out of a box.
+    pub(super) fn beyond(&self, [low, high]: [Point3<f64>; 2]) -> f64 {
+        let out = |p: &Point3<f64>| (low - p).max().max((p - high).max());
+        self.positions.iter().map(out).fold(0.0, f64::max)
+    }
+
     /// Returns the cylinders cut open and laid into a plane, side by side in rows, in units of the form.
     pub(super) fn flat(mesh: &TMesh) -> Self {
         let complex = mesh.complex();
