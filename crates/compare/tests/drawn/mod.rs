@@ -17,7 +17,7 @@ use msplines_compare::run::run;
 use msplines_compare::verdict::Judgement;
 
 /// Returns the text of a figure of a paper.
-pub fn text(paper: &str, item: &str) -> String {
+pub(crate) fn text(paper: &str, item: &str) -> String {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/experiments");
     let file = data.join(paper).join(format!("{item}.toml"));
     std::fs::read_to_string(file).expect("an experiment")
@@ -53,7 +53,7 @@ fn ran(row: &Row, folder: &Path) -> RowReport {
 }
 
 /// Runs the generated rows of an experiment, draws its figures of them, and returns its page.
-pub fn page(text: &str) -> String {
+pub(crate) fn page(text: &str) -> String {
     let mut experiment = Experiment::parse(text, "paper/item.toml").expect("an experiment");
     experiment.rows.retain(|row| row.surface.is_some());
     let kept = |row: &str| experiment.rows.iter().any(|r| r.id == row);
