@@ -140,11 +140,12 @@ fn is_complete(report: &Report) -> bool {
 
 /// The figures that the README shows, with their papers and items; drawn from generated surfaces, as all
 /// that is committed.
-const SHOWN: [(&str, &str, &str); 4] = [
+const SHOWN: [(&str, &str, &str); 5] = [
     ("hou2017", "generated", "hou2017-generated-surfaces.png"),
     ("wang2016", "figure5", "wang2016-figure5-figure5.png"),
     ("kim2014", "figure1", "kim2014-figure1-bumpy-sphere.png"),
     ("he2005", "figure4", "he2005-figure4-genus-2.png"),
+    ("he2006", "figure2", "he2006-figure2-overview.png"),
 ];
 /// Side of its pictures in pixels.
 const SHOWN_PICTURE: usize = 360;

@@ -24,6 +24,9 @@ pub struct TSplineMethod {
     /// Segments along each side of a face in files of the surface; its points at the vertices of the
     /// input where absent.
     pub tessellate: Option<u32>,
+    /// Whether everything that pictures show is kept: cylinders, control points, surfaces on the way.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub pictures: bool,
 }
 
 /// How many samples a surface should have; faces too large for that are sampled inside.

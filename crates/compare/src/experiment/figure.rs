@@ -37,6 +37,8 @@ pub struct Panel {
     pub show: Show,
     /// Which frame of a row about an animation; its last shown one where absent.
     pub frame: Option<usize>,
+    /// Which of the surfaces on the way, from 0; only with [`Show::Level`], which needs it.
+    pub level: Option<usize>,
     /// The attribute of its stored surface that is shown; only with [`Show::Field`].
     pub field: Option<String>,
     /// The surface that carries it, the spline's own where absent; only with [`Show::Field`].
@@ -72,7 +74,8 @@ pub struct Panel {
 pub enum Show {
     /// The input mesh, shaded, in its colours where the data are colours.
     Input,
-    /// The spline, shaded, in its colours where the data are colours.
+    /// The spline, shaded, in its colours where the data are colours. Edges of a T-spline are those of its
+    /// T-mesh.
     Spline,
     /// The distance between spline and data at every vertex, cold to warm, on the spline.
     Error,
@@ -82,7 +85,7 @@ pub enum Show {
     Field,
     /// The surface that a sparse manifold approximates, shaded.
     Target,
-    /// A checkerboard on the surface of a conformal atlas.
+    /// A checkerboard on the surface of a conformal atlas, or of the form of a T-spline.
     Checkers,
     /// A Powell-Sabin spline with its control triangles, which let the surface shine through.
     ControlTriangles,
@@ -93,6 +96,15 @@ pub enum Show {
     /// Stripes of equal slope on a spline whose exact normals are known: they bend where curvature
     /// jumps, and break where normals do.
     Isophotes,
+    /// The cylinders of a T-spline in colours, with the critical graph; edges are those of its first
+    /// T-mesh.
+    Cylinders,
+    /// The same laid out in the plane.
+    Rectangles,
+    /// A T-spline with its control points; edges join them.
+    ControlPoints,
+    /// A T-spline on the way to the last one; edges are those of its T-mesh.
+    Level,
 }
 
 impl Panel {
@@ -106,6 +118,9 @@ impl Panel {
     pub(super) fn problem(&self) -> Option<&'static str> {
         if let Some(problem) = self.close.as_ref().and_then(Close::problem) {
             return Some(problem);
+        }
+        if (self.show == Show::Level) != self.level.is_some() {
+            return Some("`level` goes with `show = \"level\"`, which needs it: 0 is the first");
         }
         let says_how = self.field.is_some()
             || self.on.is_some()

@@ -20,6 +20,8 @@ pub struct Printed {
     pub fit_seconds: Option<f64>,
     /// Evaluation.
     pub evaluate_seconds: Option<f64>,
+    /// From start to end.
+    pub total_seconds: Option<f64>,
     /// Iterations of the knot optimisation.
     pub iterations: Option<u32>,
     /// Values of the method, by their names in `checks` of a record; shown beside ours where a column has

@@ -176,7 +176,12 @@ pub fn cost_quantities(report: &RowReport) -> Vec<Quantity> {
         ));
         quantities.push(Quantity::new("evaluated_points", Unit::Count, None, points));
     }
-    quantities.push(Quantity::new("total_seconds", Unit::Seconds, None, total));
+    quantities.push(Quantity::new(
+        "total_seconds",
+        Unit::Seconds,
+        printed.total_seconds,
+        total,
+    ));
     quantities.push(Quantity::new("peak_rss_bytes", Unit::Bytes, None, memory));
     quantities
 }

@@ -119,8 +119,12 @@ pub fn error_table(item: &ItemReport) -> Table {
 
 /// Returns what the paper prints for a column.
 fn printed_value(report: &RowReport, column: &Column) -> Option<f64> {
-    let name = column.path.strip_prefix("checks.")?;
-    report.row.printed.checks.get(name).copied()
+    let printed = &report.row.printed;
+    match column.path.strip_prefix("checks.") {
+        Some(name) => printed.checks.get(name).copied(),
+        None if column.path == "seconds.total" => printed.total_seconds,
+        None => None,
+    }
 }
 
 fn is_printed(item: &ItemReport, column: &Column) -> bool {

@@ -9,7 +9,12 @@ use crate::options::Refinement;
 use crate::spline::TSpline;
 use crate::tmesh::Axis;
 
-/// Returns the leaves by the sum of their errors, the worst first, without those that have none.
+/// Samples on a leaf below which it is not split: its parts would hold the surface at none. Finer than
+/// the samples, a surface meets them and goes anywhere between.
+const FEWEST: usize = 4;
+
+/// Returns the leaves by the sum of their errors, the worst first, without those that have none or few
+/// samples.
 pub(super) fn ranked(spline: &TSpline, sorted: &Sorted, errors: &[f64], exponent: f64) -> Vec<u32> {
     let caps = spline.space().caps();
     let leaves = spline.space().mesh().leaves().len();
@@ -26,7 +31,7 @@ pub(super) fn ranked(spline: &TSpline, sorted: &Sorted, errors: &[f64], exponent
         })
         .collect();
     let mut order: Vec<u32> = (0..leaves as u32)
-        .filter(|&l| scores[l as usize] > 0.0)
+        .filter(|&l| scores[l as usize] > 0.0 && sorted.on(l as usize).len() >= FEWEST)
         .collect();
     order.sort_by(|&a, &b| {
         scores[b as usize]

@@ -26,7 +26,11 @@ pub(super) fn framed<'a>(panel: &Panel, source: &'a Source) -> Result<&'a Triang
         | Show::Checkers
         | Show::ControlTriangles
         | Show::Refinement
-        | Show::Isophotes => source.original(),
+        | Show::Isophotes
+        | Show::Cylinders
+        | Show::ControlPoints
+        | Show::Level => source.original(),
+        Show::Rectangles => &source.of_t_spline(panel)?.field.mesh,
     })
 }
 

@@ -44,6 +44,19 @@ pub(super) struct FieldMesh {
     pub(super) attributes: Vec<VertexAttribute>,
 }
 
+impl FieldMesh {
+    /// Returns a surface in the folder of a row.
+    pub(super) fn load(files: &Path, name: &str) -> Result<Self, String> {
+        let read = read_surface(&files.join(companion_surface(name)));
+        let (mesh, attributes) = read.map_err(|e| e.to_string())?;
+        Ok(Self {
+            mesh,
+            lines: lines(files, name)?,
+            attributes,
+        })
+    }
+}
+
 /// The surfaces beside the spline of a solid, or of an interpolant.
 pub(super) struct SolidSurfaces {
     /// The input.
@@ -63,15 +76,7 @@ pub(super) struct SolidSurfaces {
 impl SolidSurfaces {
     /// Returns what the folder of a row holds.
     pub(super) fn load(files: &Path) -> Result<Self, String> {
-        let field_mesh = |name: &str| -> Result<FieldMesh, String> {
-            let read = read_surface(&files.join(companion_surface(name)));
-            let (mesh, attributes) = read.map_err(|e| e.to_string())?;
-            Ok(FieldMesh {
-                mesh,
-                lines: lines(files, name)?,
-                attributes,
-            })
-        };
+        let field_mesh = |name: &str| FieldMesh::load(files, name);
         Ok(Self {
             input: field_mesh("input")?,
             cut: field_mesh("cut").ok(),

@@ -5,10 +5,12 @@ mod camera;
 mod companions;
 mod fitted;
 mod frames;
+mod lines;
 mod panel;
 mod plots;
 mod scales;
 mod source;
+mod t_spline;
 mod turnable;
 mod values;
 
@@ -288,7 +290,9 @@ fn source_of(
 
 fn label(item: &ItemReport, panel: &Panel) -> String {
     let of_row = || item.row(&panel.row).map(|report| report.row.label.clone());
-    panel.label.clone().or_else(of_row).unwrap_or_default()
+    let of_level = || t_spline::label(item.row(&panel.row)?, panel.level?);
+    let label = panel.label.clone().or_else(of_level);
+    label.or_else(of_row).unwrap_or_default()
 }
 
 /// Returns the number behind a picture of a spline.

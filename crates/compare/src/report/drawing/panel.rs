@@ -8,26 +8,19 @@ use msplines_picture::{
 };
 
 use super::camera::{camera, framed};
-use super::companions::Lines as OwnLines;
+use super::lines::{EDGE, EDGE_WIDTHS, Lines};
 use super::source::Source;
+use super::t_spline::ControlNet;
 use super::turnable::turnable;
 use super::values::{SplitFaces, Subject, Values};
 use super::{DrawingOptions, Views};
-use crate::experiment::{Callout as Part, Corner as PartCorner, Edges, Panel, Show};
+use crate::experiment::{Callout as Part, Corner as PartCorner, Panel, Show};
 use crate::run::CHECKERS;
 
-/// Meshes of more edges have theirs drawn finer, so that the surface stays visible.
-const FEW_EDGES: f64 = 3_000.0;
-/// Thinnest and thickest edge in pixels of a picture of 1,000 pixels.
-const EDGE_WIDTHS: [f64; 2] = [0.6, 2.0];
-/// Width of a crease, in widths of an edge.
-const CREASE_WIDTH: f64 = 2.0;
 /// Smallest and largest radius of a knot in pixels of a picture of 1,000 pixels.
 const KNOT_RADII: [f64; 2] = [2.5, 7.0];
 /// Side of a picture over the distance of its knots, about: so many share it.
 const KNOT_SHARE: f64 = 130.0;
-/// Colour of edges on a mesh.
-const EDGE: Rgb = Rgb::new(92, 98, 108);
 /// Colours of the squares of a checkerboard.
 const SQUARES: [Rgb; 2] = [Rgb::new(244, 241, 234), Rgb::new(64, 104, 150)];
 /// Colour of control triangles, and how much of it hides what is behind.
@@ -56,19 +49,18 @@ pub(super) struct Stage<'a> {
     normals: Option<&'a [Vector3<f64>]>,
     /// Triangles that lie over the surface.
     control: Option<&'a TriangleMesh>,
+    /// Control points, and what joins them where that is asked for.
+    points: Option<ControlNet<'a>>,
     /// The surface that the camera is turned to.
     pub(super) framed: &'a TriangleMesh,
     /// The mesh cut along the borders of its cells, where those are painted.
     cells: Option<&'a SplitFaces>,
     paint: Paint<'a>,
     pub(super) colours: Vec<Rgb>,
-    pub(super) edges: Vec<[u32; 2]>,
-    pub(super) edge_colour: Rgb,
-    pub(super) edge_width: f64,
-    /// Edges that are drawn red, or black where the others are red.
-    creases: Vec<[u32; 2]>,
+    pub(super) lines: Lines,
     shading: Shading,
     pub(super) knots: &'a [Point3<f64>],
+    knot_colour: Rgb,
     pub(super) camera: Camera,
 }
 
@@ -82,27 +74,38 @@ pub(super) fn draw(
     let source = subject.source;
     // Errors are known at the vertices of the input only.
     let fitted = (panel.show == Show::Error).then(|| fitted_input(source));
-    let mesh = match (panel.show, &fitted) {
-        (_, Some(fitted)) => fitted,
-        (Show::Spline | Show::Checkers | Show::ControlTriangles | Show::Isophotes, None) => {
-            &source.spline
-        }
-        (Show::Refinement, None) => &source.refinement()?.mesh,
-        (Show::Charts, None) => &source.charts()?.mesh,
-        (Show::Field, None) => source.shown(panel.on.unwrap_or_default())?.0,
-        (Show::Target, None) => &source.target()?.0,
-        (Show::Input | Show::Knots | Show::Error, None) => framed(panel, source)?,
+    let own = source.beside_t_spline(panel)?;
+    let mesh = match (&fitted, own) {
+        (Some(fitted), _) => fitted,
+        (None, Some(own)) => &own.field.mesh,
+        (None, None) => shown(panel, source)?,
     };
     let stage = stage(panel, subject, mesh, scale)?;
     let image = still(&stage, panel, options.pixels).map_err(|e| e.to_string())?;
     // Views that can be turned have colours of vertices only, and hold one surface.
-    let is_still = matches!(
-        panel.show,
-        Show::Checkers | Show::ControlTriangles | Show::Isophotes
-    );
+    let is_still = own.is_some()
+        || matches!(
+            panel.show,
+            Show::Checkers | Show::ControlTriangles | Show::Isophotes
+        );
     let is_turnable = options.views == Views::Turnable && !is_still;
     let payload = is_turnable.then(|| turnable(&stage, source, options.pixels));
     Ok(Picture { image, payload })
+}
+
+/// Returns the surface that a panel shows, of what several methods have.
+fn shown<'a>(panel: &Panel, source: &'a Source) -> Result<&'a TriangleMesh, String> {
+    Ok(match panel.show {
+        Show::Spline | Show::Checkers | Show::ControlTriangles | Show::Isophotes => &source.spline,
+        Show::Refinement => &source.refinement()?.mesh,
+        Show::Charts => &source.charts()?.mesh,
+        Show::Field => source.shown(panel.on.unwrap_or_default())?.0,
+        Show::Target => &source.target()?.0,
+        Show::Input | Show::Knots | Show::Error => framed(panel, source)?,
+        Show::Cylinders | Show::Rectangles | Show::ControlPoints | Show::Level => {
+            &source.of_t_spline(panel)?.field.mesh
+        }
+    })
 }
 
 /// Returns the input mesh with its vertices moved to the spline.
@@ -119,35 +122,20 @@ fn stage<'a>(
     scale: Option<&ColourScale>,
 ) -> Result<Stage<'a>, String> {
     let source = subject.source;
+    let own = source.beside_t_spline(panel)?;
     let (paint, colours) = paint(&subject.values, scale);
-    let lines = lines(panel, source);
-    let edges = match (panel.edges, panel.show) {
-        (Edges::None, _) => Vec::new(),
-        (Edges::Domain, _) if lines.is_some() => lines.map_or_else(Vec::new, |l| l.edges.clone()),
-        (Edges::Domain, Show::Spline | Show::Field) => source.domain_edges(),
-        (Edges::Domain, _) => edges(mesh.faces()),
-    };
-    let creases = lines.filter(|_| panel.edges == Edges::Domain);
-    let creases = creases.map_or_else(Vec::new, |lines| lines.creases.clone());
-    let facets = match panel.show {
-        Show::Spline | Show::Target | Show::Checkers | Show::ControlTriangles | Show::Isophotes => {
-            false
-        }
-        Show::Field => lines.is_none(),
-        Show::Input | Show::Knots | Show::Error | Show::Refinement | Show::Charts => true,
-    };
-    // The images of edges come in pieces.
-    let pieces = match panel.show {
-        Show::Spline | Show::Field | Show::ControlTriangles => source.pieces_per_edge(),
-        _ => 1.0,
-    };
-    let count = edges.len() as f64 / pieces;
-    let [thinnest, thickest] = EDGE_WIDTHS;
+    let lines = Lines::of(panel, source, mesh)?;
+    let own_normals = own.map(|own| own.normals.as_deref());
+    let normals = own_normals.unwrap_or_else(|| source.normals());
     Ok(Stage {
         mesh,
-        normals: source.normals().filter(|n| n.len() == mesh.vertex_count()),
+        normals: normals.filter(|n| n.len() == mesh.vertex_count()),
         control: match panel.show {
             Show::ControlTriangles => Some(&source.control()?.mesh),
+            _ => None,
+        },
+        points: match panel.show {
+            Show::ControlPoints => Some(source.control_points(panel)?),
             _ => None,
         },
         framed: framed(panel, source)?,
@@ -157,19 +145,8 @@ fn stage<'a>(
         },
         paint,
         colours,
-        edges,
-        // Creases are red where there are any to tell.
-        edge_colour: if panel.show == Show::Spline
-            && (lines.is_none() || source.normals().is_some())
-        {
-            Rgb::RED
-        } else {
-            EDGE
-        },
-        creases,
-        edge_width: (thickest * (FEW_EDGES / count).sqrt()).clamp(thinnest, thickest),
         // A coarse mesh is shown as the facets that it is.
-        shading: if facets && count <= FEW_EDGES && panel.edges == Edges::Domain {
+        shading: if has_facets(panel, !lines.is_own) && lines.is_coarse(panel) {
             Shading::Flat
         } else {
             Shading::Smooth
@@ -179,20 +156,18 @@ fn stage<'a>(
         } else {
             &[]
         },
+        knot_colour: lines.knot_colour(panel, own.is_some()),
+        lines,
         camera: camera(panel, source)?,
     })
 }
 
-/// Returns the lines on the surface of a panel, where a run left them.
-fn lines<'a>(panel: &Panel, source: &'a Source) -> Option<&'a OwnLines> {
+/// Returns whether the surface of a panel may be shown as facets.
+fn has_facets(panel: &Panel, has_no_lines: bool) -> bool {
     match panel.show {
-        Show::Input => source.lines().map(|[control, _]| control),
-        Show::Spline | Show::ControlTriangles => source.lines().map(|[_, spline]| spline),
-        Show::Refinement => source.refinement().ok().map(|split| &split.lines),
-        Show::Charts => source.charts().ok().map(|charts| &charts.lines),
-        Show::Field => source.field_lines(panel.on.unwrap_or_default()),
-        Show::Target => source.target().ok().map(|target| &target.1),
-        Show::Error | Show::Knots | Show::Checkers | Show::Isophotes => None,
+        Show::Field => has_no_lines,
+        Show::Input | Show::Knots | Show::Error | Show::Refinement | Show::Charts => true,
+        _ => false,
     }
 }
 
@@ -233,13 +208,29 @@ struct Control {
 impl Control {
     /// Moves triangles a little towards the eye: they touch the surface, which would hide half of them.
     fn new(mesh: &TriangleMesh, camera: &Camera) -> Self {
-        let eye = camera.eye();
-        let lifted = mesh.positions().iter();
         Self {
-            lifted: lifted.map(|p| p + CONTROL_LIFT * (eye - p)).collect(),
+            lifted: lifted(mesh, camera),
             sides: edges(mesh.faces()),
         }
     }
+
+    /// Adds them to a scene.
+    fn add_to<'a>(&'a self, scene: &mut Scene<'a>, mesh: &'a TriangleMesh, per_thousand: f64) {
+        let width = EDGE_WIDTHS[0] + FEW_CONTROL / mesh.face_count() as f64;
+        let width = width.min(EDGE_WIDTHS[1]) * per_thousand;
+        let triangles = Surface::new(&self.lifted, mesh.faces());
+        let triangles = triangles.paint(Paint::Uniform(CONTROL));
+        scene.add(triangles.shading(Shading::Flat).opacity(CONTROL_OPACITY));
+        let sides = Curves::new(&self.lifted, &self.sides);
+        scene.add(sides.colour(CONTROL).width(width));
+    }
+}
+
+/// Returns the vertices of a mesh a little nearer to the eye.
+fn lifted(mesh: &TriangleMesh, camera: &Camera) -> Vec<Point3<f64>> {
+    let eye = camera.eye();
+    let vertices = mesh.positions().iter();
+    vertices.map(|p| p + CONTROL_LIFT * (eye - p)).collect()
 }
 
 fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, PictureError> {
@@ -257,37 +248,23 @@ fn still(stage: &Stage<'_>, panel: &Panel, pixels: usize) -> Result<Image, Pictu
     scene.add(surface.paint(stage.paint).shading(stage.shading));
     let control = stage.control.map(|mesh| Control::new(mesh, &stage.camera));
     if let (Some(control), Some(mesh)) = (&control, stage.control) {
-        let width = EDGE_WIDTHS[0] + FEW_CONTROL / mesh.face_count() as f64;
-        let width = width.min(EDGE_WIDTHS[1]) * per_thousand;
-        let triangles = Surface::new(&control.lifted, mesh.faces());
-        let triangles = triangles.paint(Paint::Uniform(CONTROL));
-        scene.add(triangles.shading(Shading::Flat).opacity(CONTROL_OPACITY));
-        let sides = Curves::new(&control.lifted, &control.sides);
-        scene.add(sides.colour(CONTROL).width(width));
+        control.add_to(&mut scene, mesh, per_thousand);
     }
-    if !stage.edges.is_empty() {
-        let curves = Curves::new(positions, &stage.edges)
-            .colour(stage.edge_colour)
-            .width(stage.edge_width * per_thousand);
-        scene.add(curves);
-    }
-    if !stage.creases.is_empty() {
-        let curves = Curves::new(positions, &stage.creases)
-            .colour(if stage.edge_colour == Rgb::RED {
-                Rgb::INK
-            } else {
-                Rgb::RED
-            })
-            .width(CREASE_WIDTH * stage.edge_width * per_thousand);
-        scene.add(curves);
+    let [curves, creases] = stage.lines.curves(positions, per_thousand);
+    scene.add(curves).add(creases);
+    let points = stage
+        .points
+        .map(|(mesh, sides)| (lifted(mesh, &stage.camera), sides));
+    if let Some((points, sides)) = &points {
+        let radius = Radius::Pixels(knot_radius(points.len()) * per_thousand);
+        let sides = Curves::new(points, sides).colour(EDGE);
+        scene.add(Spheres::new(points).radius(radius));
+        scene.add(sides.width(EDGE_WIDTHS[0] * per_thousand));
     }
     if !stage.knots.is_empty() {
-        let spheres = Spheres::new(stage.knots)
-            .radius(Radius::Pixels(
-                knot_radius(stage.knots.len()) * per_thousand,
-            ))
-            .colour(Rgb::RED);
-        scene.add(spheres);
+        let radius = Radius::Pixels(knot_radius(stage.knots.len()) * per_thousand);
+        let spheres = Spheres::new(stage.knots).radius(radius);
+        scene.add(spheres.colour(stage.knot_colour));
     }
     let drawing = Drawing {
         width: pixels,

@@ -12,6 +12,7 @@ use msplines_picture::edges;
 use super::companions::{Companions, FieldMesh, Lines, SolidSurfaces};
 use super::fitted::Fitted;
 use super::frames;
+use super::t_spline::TSplineSurfaces;
 use crate::campaign::{RowReport, Sources};
 use crate::case::Input;
 use crate::clock::PhaseClock;
@@ -111,7 +112,10 @@ pub(super) struct Source {
     companions: Option<Companions>,
     /// Surfaces beside the spline of a solid, or of an interpolant.
     solid: Option<SolidSurfaces>,
-    /// Texture coordinates of the corners of every face of the stored surface of an atlas.
+    /// What there is of a T-spline.
+    pub(super) t_spline: Option<TSplineSurfaces>,
+    /// Texture coordinates of the corners of every face of the stored surface of an atlas, or of the mesh
+    /// that the form of a T-spline lies on.
     texture: Option<Vec<[[f64; 2]; 3]>>,
     /// Exact unit normals of the stored surface, where they are known.
     normals: Option<Vec<Vector3<f64>>>,
@@ -163,6 +167,8 @@ impl Source {
                 }
             };
         let knots = knots_of(report.row.method, files)?;
+        let t_spline = report.row.t_spline.as_ref().filter(|own| own.pictures);
+        let has_texture = is_atlas || t_spline.is_some();
         Ok(Self {
             fitted: match &frame {
                 None if has_charts => Err(NO_DATA.to_owned()),
@@ -175,7 +181,8 @@ impl Source {
             companions,
             solid,
             normals: normals(&attributes),
-            texture: is_atlas.then(|| texture(files)).transpose()?,
+            texture: has_texture.then(|| texture(files)).transpose()?,
+            t_spline: t_spline.map(|_| TSplineSurfaces::of(files)),
             frame,
             spline,
             attributes,
@@ -224,7 +231,8 @@ impl Source {
     /// Returns the texture coordinates of the corners of every face of the stored surface.
     pub(super) fn texture(&self) -> Result<&[[[f64; 2]; 3]], String> {
         let texture = self.texture.as_deref();
-        texture.ok_or_else(|| "its run left no texture; only conformal atlases have one".to_owned())
+        texture.ok_or_else(|| "its run left no texture; only conformal atlases have one, and T-splines with `pictures = true`"
+                .to_owned())
     }
 
     /// Returns the exact normals of the stored surface, where they are known.
@@ -313,7 +321,7 @@ impl Source {
 }
 
 /// Returns the normals among attributes.
-fn normals(attributes: &[VertexAttribute]) -> Option<Vec<Vector3<f64>>> {
+pub(super) fn normals(attributes: &[VertexAttribute]) -> Option<Vec<Vector3<f64>>> {
     let component = |name: &str| attributes.iter().find(|a| a.name == name);
     let [x, y, z] = NORMALS.map(component);
     let (x, y, z) = (&x?.values, &y?.values, &z?.values);

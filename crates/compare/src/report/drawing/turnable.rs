@@ -21,8 +21,8 @@ pub(super) fn turnable(stage: &Stage<'_>, source: &Source, pixels: usize) -> Str
     let array = |p: &Point3<f64>| [p.x, p.y, p.z];
     let positions: Vec<[f64; 3]> = chosen.iter().map(array).collect();
     let colours: Vec<[u8; 3]> = colours.into_iter().map(Rgb::channels).collect();
-    let segments: Vec<[[f64; 3]; 2]> = if stage.edges.len() <= TURNED_EDGES {
-        let ends = stage.edges.iter();
+    let segments: Vec<[[f64; 3]; 2]> = if stage.lines.edges.len() <= TURNED_EDGES {
+        let ends = stage.lines.edges.iter();
         ends.map(|edge| edge.map(|v| array(&own[v as usize])))
             .collect()
     } else {
@@ -40,8 +40,8 @@ pub(super) fn turnable(stage: &Stage<'_>, source: &Source, pixels: usize) -> Str
         colours: &colours,
         lines: Lines {
             segments: &segments,
-            colour: stage.edge_colour.channels(),
-            width: stage.edge_width * pixels as f64 / 1000.0,
+            colour: stage.lines.colour.channels(),
+            width: stage.lines.width * pixels as f64 / 1000.0,
         },
         points: Points {
             positions: &knots,

@@ -89,7 +89,12 @@ impl<'a> Subject<'a> {
             | Show::Target
             | Show::ControlTriangles
             | Show::Refinement
-            | Show::Charts => Ok(Values::Bare),
+            | Show::Charts
+            | Show::ControlPoints
+            | Show::Level => Ok(Values::Bare),
+            Show::Cylinders | Show::Rectangles => {
+                Ok(Values::Colours(source.of_t_spline(panel)?.colours()))
+            }
             Show::Isophotes => isophotes(panel, source),
             Show::Field => field(panel, source),
             Show::Checkers => Ok(Values::Checkers(source.texture()?.to_vec())),

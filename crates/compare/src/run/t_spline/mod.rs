@@ -2,7 +2,10 @@
 
 mod evaluate;
 mod measure;
+mod net;
+pub(crate) mod pictures;
 mod poles;
+mod tiles;
 mod write;
 
 use std::sync::Arc;
@@ -48,7 +51,7 @@ pub(super) fn run(
     enter("fit", clock, observer);
     let fit = fitted(&domain, method, &input, clock, observer)?;
     let report = fit.report;
-    let levels = fit.levels.len();
+    let levels = fit.levels;
     let vertices = domain.mesh().vertex_count();
     let shifts = fit.samples[..vertices].iter().map(|s| s.shift).collect();
     let surface = TSplineSurface::new(domain, shifts, fit.spline);
@@ -70,7 +73,7 @@ pub(super) fn run(
     record.warnings.extend(poles.warning);
     record.checks.extend(measure::surface(&surface, case.seed));
     record.check("rounds", report.rounds);
-    record.check("levels", levels);
+    record.check("levels", levels.len());
     let meshes = [&input.mesh, &at_vertices.mesh];
     steps::distances(&mut record, case, meshes, || {
         measure::distance_to(&surface, &input.mesh, case.seed)
@@ -84,7 +87,11 @@ pub(super) fn run(
     };
     write::write(&case.outputs, &written)?;
     let marks = marks(&surface, &at_vertices);
-    Ok(output(record, file, at_vertices, marks, clock))
+    let mut output = output(record, file, at_vertices, marks, clock);
+    if method.pictures {
+        pictures::add(&mut output, &surface, &levels, &input.mesh);
+    }
+    Ok(output)
 }
 
 /// Cuts the input into cylinders.
