@@ -8,11 +8,11 @@ use crate::basis::HolomorphicBasis;
 use crate::descent::{Objective, minimise};
 
 /// Faces that a form is judged by; the variance of a sample of so many is right to some percent.
-const SAMPLES: usize = 8192;
+pub(crate) const SAMPLES: usize = 8192;
 
 /// Lengths below this part of the root mean square count as this part: the logarithm has poles at the
 /// zeros of a form, and between two samples anything may happen there.
-const FLOOR: f64 = 1e-2;
+pub(crate) const FLOOR: f64 = 1e-2;
 
 /// How even forms are: derivatives `q_k` of a basis on sampled faces.
 #[derive(Clone, Debug)]
@@ -31,7 +31,7 @@ impl Uniformity {
     #[must_use]
     pub fn sample(basis: &HolomorphicBasis) -> Self {
         let triangulation = basis.triangulation();
-        let (chosen, weights) = sampled(triangulation);
+        let (chosen, weights) = sampled(triangulation, SAMPLES);
         let samples = chosen.len();
         let classes = basis.classes();
         let (mut real, mut imaginary) = (
@@ -87,6 +87,36 @@ impl Uniformity {
             .sum();
         changed.floor = FLOOR * FLOOR * squares / self.classes as f64;
         changed
+    }
+
+    /// Returns the same measure by so many of its samples at most.
+    pub(crate) fn thinned(&self, count: usize) -> Self {
+        let samples = self.weights.len();
+        if samples <= count {
+            return self.clone();
+        }
+        let chosen: Vec<usize> = (0..count).map(|i| i * samples / count).collect();
+        let total: f64 = chosen.iter().map(|&s| self.weights[s]).sum();
+        let row = |&s: &usize| &self.rows[2 * self.classes * s..2 * self.classes * (s + 1)];
+        Self {
+            rows: chosen.iter().flat_map(row).copied().collect(),
+            weights: chosen.iter().map(|&s| self.weights[s] / total).collect(),
+            ..*self
+        }
+    }
+
+    /// Returns the derivatives of each form of the basis on the samples.
+    pub(crate) fn columns(&self) -> Vec<Vec<[f64; 2]>> {
+        let column = |k: usize| {
+            let rows = self.rows.chunks_exact(2 * self.classes);
+            rows.map(|row| [row[k], row[self.classes + k]]).collect()
+        };
+        (0..self.classes).map(column).collect()
+    }
+
+    /// Returns the part of the sampled area that belongs to each sample.
+    pub(crate) fn weights(&self) -> &[f64] {
+        &self.weights
     }
 
     /// Returns the area-weighted variance of `log |ω|` of the form whose real part has these coefficients
@@ -161,10 +191,13 @@ impl Objective for Uniformity {
     }
 }
 
-/// Returns faces spread evenly by number, and the share of their area that each of them has.
-pub(crate) fn sampled(triangulation: &IntrinsicTriangulation) -> (Vec<usize>, Vec<f64>) {
+/// Returns so many faces spread evenly by number, and the share of their area that each of them has.
+pub(crate) fn sampled(
+    triangulation: &IntrinsicTriangulation,
+    most: usize,
+) -> (Vec<usize>, Vec<f64>) {
     let faces = triangulation.faces.len();
-    let samples = faces.min(SAMPLES);
+    let samples = faces.min(most);
     let chosen: Vec<usize> = (0..samples).map(|i| i * faces / samples).collect();
     let areas = chosen
         .iter()

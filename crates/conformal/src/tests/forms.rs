@@ -132,7 +132,7 @@ fn the_optimal_form_is_more_even_than_others_and_integer_ones_come_near() {
         variances[0] < 0.3 && variances[1] > 2.0 * variances[0],
         "{variances:?}"
     );
-    let integer = FormChoice::Integer { seed: 0 }
+    let integer = FormChoice::integer(0)
         .candidates(&basis)
         .unwrap()
         .remove(0);

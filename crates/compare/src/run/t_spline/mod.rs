@@ -110,7 +110,7 @@ fn domain(
     let options = DomainOptions {
         form: form.choice(case.seed),
         poles: poles.to_vec(),
-        pole_form: msplines_conformal::poles::PoleChoice::Optimal { seed: case.seed },
+        pole_form: msplines_conformal::poles::PoleChoice::optimal(case.seed),
         snap: method.snap,
     };
     let mut timed = following(&["domain"], clock, observer);
