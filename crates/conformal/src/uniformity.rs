@@ -24,6 +24,8 @@ pub struct Uniformity {
     weights: Vec<f64>,
     /// Square of the smallest length.
     floor: f64,
+    /// That length over the root mean square.
+    least: f64,
 }
 
 impl Uniformity {
@@ -67,7 +69,13 @@ impl Uniformity {
             classes,
             weights,
             floor: 0.0,
+            least: FLOOR,
         }
+    }
+
+    /// Returns the same measure with lengths below another part of the root mean square counted as that.
+    pub(crate) fn with_least(self, least: f64) -> Self {
+        Self { least, ..self }
     }
 
     /// Returns the same measure for coefficients `x` of which the old ones are `basis * x`.
@@ -78,14 +86,15 @@ impl Uniformity {
                 self.rows[(2 * sample + offset) * self.classes + k]
             }) * basis
         };
-        let mut changed = Self::from_parts(&[part(0), part(1)], self.weights.clone());
+        let changed = Self::from_parts(&[part(0), part(1)], self.weights.clone());
+        let mut changed = changed.with_least(self.least);
         let squares: f64 = changed
             .rows
             .chunks_exact(2 * self.classes)
             .zip(&self.weights)
             .map(|(row, weight)| weight * row.iter().map(|q| q * q).sum::<f64>())
             .sum();
-        changed.floor = FLOOR * FLOOR * squares / self.classes as f64;
+        changed.floor = self.least * self.least * squares / self.classes as f64;
         changed
     }
 
@@ -128,7 +137,8 @@ impl Uniformity {
     pub fn variance(&self, coefficients: &DVector<f64>) -> f64 {
         let lengths = self.derivatives(coefficients);
         let squares = lengths.iter().zip(&self.weights);
-        let floor = FLOOR * FLOOR * squares.map(|([a, b], w)| w * (a * a + b * b)).sum::<f64>();
+        let square: f64 = squares.map(|([a, b], w)| w * (a * a + b * b)).sum();
+        let floor = self.least * self.least * square;
         let logs = lengths
             .iter()
             .map(|[a, b]| 0.5 * (a * a + b * b + floor).ln());

@@ -14,7 +14,7 @@ const VISITS: usize = 100;
 /// columns; its determinant is ±1. O(n²) for each of some n² visits.
 ///
 /// # Reference
-/// [Lenstra1982] Fig. 1; [Gauss1801] art. 171 in two dimensions.
+/// [Lenstra1982], basis reduction; [Gauss1801] art. 171 in two dimensions.
 pub(super) fn reduced(gram: &DMatrix<f64>) -> DMatrix<f64> {
     let classes = gram.nrows();
     let mut basis = DMatrix::<f64>::identity(classes, classes);

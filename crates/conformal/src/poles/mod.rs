@@ -16,6 +16,8 @@
 mod basis;
 mod error;
 mod holes;
+#[cfg(test)]
+mod protrusion_tests;
 mod protrusions;
 mod search;
 #[cfg(test)]

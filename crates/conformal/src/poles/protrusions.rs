@@ -31,8 +31,12 @@ const SAMPLES: usize = 2048;
 /// Fluxes of a new pole that are tried, over the mean of those there are.
 const NEW_FLUXES: [f64; 6] = [0.25, 0.5, 1.0, -0.25, -0.5, -1.0];
 
+/// Lengths below this part of the root mean square count as this part: forms that fade are what further
+/// poles are to mend, so that they have to be told.
+const LEAST: f64 = 1e-8;
+
 /// Random class coefficients that sets of poles are tried with on a surface with handles.
-const STARTS: usize = 3;
+const STARTS: usize = 1;
 
 /// Which poles are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,7 +50,7 @@ pub struct ProtrusionOptions {
 
 impl Default for ProtrusionOptions {
     fn default() -> Self {
-        Self { most: 12, gain: 0.1 }
+        Self { most: 12, gain: 0.07 }
     }
 }
 
@@ -79,6 +83,12 @@ impl Protrusions {
             let components = facts.components;
             return Err(ConformalError::NotConnected { components });
         };
+        if facts.boundary_loops > 0 {
+            let loops = facts.boundary_loops;
+            let boundary = mesh.topology().boundary_loops().concat();
+            let vertex = mesh.topology().origin(boundary[0]);
+            return Err(ConformalError::Boundary { loops, vertex });
+        }
         let tips = tips(mesh);
         stages.enter()?;
         let mut potentials = Potentials {
@@ -107,17 +117,26 @@ impl Protrusions {
             let Some(next) = potentials.best_with_another(&chosen) else {
                 break;
             };
-            if next.variance > chosen.variance - options.gain {
-                break;
-            }
             variances.push(next.variance);
             chosen = next;
         }
+        let count = worthwhile(&variances, options.gain);
+        variances.truncate(count);
+        let kept = chosen.poles.iter().take(count + 1);
         Ok(Self {
-            vertices: chosen.poles.iter().map(|&tip| tips[tip]).collect(),
+            vertices: kept.map(|&tip| tips[tip]).collect(),
             variances,
         })
     }
+}
+
+/// How many of the variances to take: so many that all steps on together bring less than `gain` each.
+/// One pole on one of two like limbs may bring nothing without the other.
+fn worthwhile(variances: &[f64], gain: f64) -> usize {
+    let cost = |&(count, variance): &(usize, &f64)| variance + gain * count as f64;
+    let all = variances.iter().enumerate();
+    let best = all.min_by(|a, b| cost(a).total_cmp(&cost(b)));
+    best.map_or(1, |(count, _)| count + 1)
 }
 
 /// A set of poles, and the most even form that was found with them.
@@ -196,7 +215,7 @@ impl Potentials {
         });
         let root = nalgebra::Cholesky::new(gram)?.l().transpose();
         let inverse = root.clone().try_inverse()?;
-        let measure = Uniformity::from_parts(&parts, self.weights.clone());
+        let measure = Uniformity::from_parts(&parts, self.weights.clone()).with_least(LEAST);
         let of = |fluxes: &[f64]| {
             let others = start[..classes].iter().chain(&fluxes[1..]).copied();
             DVector::from_iterator(free, others)

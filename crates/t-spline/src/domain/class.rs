@@ -2,19 +2,20 @@
 
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::progress::Observer;
-use msplines_conformal::{Atlas, FormChoice, HolomorphicBasis, HolomorphicForm};
+use msplines_conformal::{Atlas, ClassObjective, FormChoice, HolomorphicBasis, HolomorphicForm};
 use nalgebra::DVector;
-use rayon::prelude::*;
 
 use super::error::DomainError;
-use super::form::{PeriodicForm, Values};
-use super::levels::Levels;
+use super::form::PeriodicForm;
 use super::{Domain, DomainOptions};
 
-/// Cost of two critical levels nearer than `NEAR`, which leave a sliver of a cylinder, beside that of
-/// the form itself.
-const GAP: f64 = 0.1;
-const NEAR: f64 = 0.01;
+/// Cost of cylinders that stay thin, beside that of the form: levels so near that a sliver is left of a
+/// cylinder, but not so that it can be collapsed.
+const THIN: f64 = 0.1;
+
+/// By how much a form that lies flat on the mesh as it is may cost more than the best one, for which the
+/// mesh has to be mended.
+const UNMENDED: f64 = 0.1;
 
 impl Domain {
     /// Lays out a closed surface of genus >= 1 by the best form of integer periods.
@@ -24,20 +25,32 @@ impl Domain {
         observer: &mut Observer<'_>,
     ) -> Result<Self, DomainError> {
         let basis = HolomorphicBasis::build(mesh, observer)?;
-        let ranked = ranked(&basis, mesh, &options.form)?;
-        for form in &ranked {
+        let priced = priced(&basis, &options.form)?;
+        let Some((least, first)) = priced.first() else {
+            return Err(DomainError::RealPeriods);
+        };
+        let mut best: Option<(f64, Self)> = None;
+        for (cost, form) in &priced {
+            let bound = best.as_ref().map_or(least + UNMENDED, |(found, _)| *found);
+            if *cost > bound {
+                break;
+            }
             let on_mesh = basis.form_on_mesh(mesh, [&form.real, &form.imaginary]);
             let Ok(atlas) = Atlas::of_form(mesh, &on_mesh) else {
                 continue;
             };
-            if let Ok(domain) = Self::of_form(&PeriodicForm::of_atlas(&atlas), &options.snap) {
-                return Ok(domain);
+            let Ok(domain) = Self::of_form(&PeriodicForm::of_atlas(&atlas), &options.snap) else {
+                continue;
+            };
+            let cost = cost + if domain.report.thin > 0 { THIN } else { 0.0 };
+            if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                best = Some((cost, domain));
             }
         }
-        let Some(best) = ranked.first() else {
-            return Err(DomainError::RealPeriods);
-        };
-        let choice = FormChoice::IntegerPeriods(periods(&basis, &best.imaginary));
+        if let Some((_, domain)) = best {
+            return Ok(domain);
+        }
+        let choice = FormChoice::IntegerPeriods(periods(&basis, &first.imaginary));
         let found = Atlas::closed(mesh, &choice, observer)?;
         let mut domain = Self::of_form(&PeriodicForm::of_atlas(&found.atlas), &options.snap)?;
         domain.origins[mesh.vertex_count()..].fill(None);
@@ -45,47 +58,21 @@ impl Domain {
     }
 }
 
-/// Forms of integer periods, in the order in which they should be tried.
-fn ranked(
+/// Forms of integer periods and what they cost, in that order.
+fn priced(
     basis: &HolomorphicBasis,
-    mesh: &TriangleMesh,
     choice: &FormChoice,
-) -> Result<Vec<HolomorphicForm>, DomainError> {
-    match choice {
-        FormChoice::Integer { objective, .. } => {
-            let forms = choice.candidates(basis)?.into_iter();
-            let priced = forms.map(|form| (objective.cost(form.log_variance, form.energy), form));
-            Ok(by_gaps(priced.collect(), basis, mesh))
-        }
-        FormChoice::IntegerPeriods(_) => Ok(choice.candidates(basis)?),
-        _ => Err(DomainError::RealPeriods),
-    }
-}
-
-/// Adds the cost of near levels, and sorts by the sum.
-fn by_gaps(
-    forms: Vec<(f64, HolomorphicForm)>,
-    basis: &HolomorphicBasis,
-    mesh: &TriangleMesh,
-) -> Vec<HolomorphicForm> {
-    let faces = basis.triangulation().faces.clone();
-    let delaunay = TriangleMesh::build(mesh.positions().to_vec(), faces).ok();
-    let near = |form: &HolomorphicForm| {
-        let given = PeriodicForm {
-            mesh: delaunay.clone()?,
-            form: basis.form([&form.real, &form.imaginary]),
-            ends: Vec::new(),
-        };
-        let values = Values::integrate(&given).ok()?;
-        let gap = Levels::find(&given.mesh, &values).ok()?.least_gap();
-        Some(if gap < NEAR { GAP } else { 0.0 })
+) -> Result<Vec<(f64, HolomorphicForm)>, DomainError> {
+    let price = match choice {
+        FormChoice::Integer { objective, .. } => *objective,
+        FormChoice::IntegerPeriods(_) => ClassObjective::default(),
+        _ => return Err(DomainError::RealPeriods),
     };
-    let mut forms: Vec<(f64, HolomorphicForm)> = (forms.into_par_iter())
-        // A form without levels is tried last.
-        .map(|(cost, form)| (cost + near(&form).unwrap_or(f64::INFINITY), form))
-        .collect();
-    forms.sort_by(|a, b| a.0.total_cmp(&b.0));
-    forms.into_iter().map(|(_, form)| form).collect()
+    let forms = choice.candidates(basis)?.into_iter();
+    let cost = |form: &HolomorphicForm| price.cost(form.log_variance, form.energy);
+    let mut priced: Vec<_> = forms.map(|form| (cost(&form), form)).collect();
+    priced.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(priced)
 }
 
 /// Periods of a closed form with these coefficients.

@@ -54,7 +54,10 @@ fn run(
     check(case, method)?;
     let input = prepared(load(&case.input, clock)?, case)?;
     enter("domain", clock, observer);
-    let poles = Poles::of(&input.mesh, &method.puncture)?;
+    let poles = {
+        let mut timed = following(&["domain"], clock, observer);
+        Poles::of(&input.mesh, &method.puncture, &mut timed)?
+    };
     let domain = domain(case, method, &input, &poles.vertices, clock, observer)?;
     enter("fit", clock, observer);
     let fit = fitted(&domain, method, &input, clock, observer)?;
