@@ -42,8 +42,8 @@ pub enum Puncture {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NamedPuncture {
-    /// Vertices at the protrusions of a closed surface of genus 0, one vertex far from the boundary of
-    /// a surface with one loop, none otherwise.
+    /// Two vertices far from each other on a closed surface of genus 0, one far from the boundary of a
+    /// surface with one loop, none otherwise.
     Needed,
     /// Vertices at the protrusions of a closed surface of any genus; as many as are needed where it has a
     /// boundary.

@@ -19,8 +19,8 @@ pub(super) struct Poles {
 }
 
 impl Poles {
-    /// Returns the poles that are given; where none are, those at the protrusions of a sphere, and a vertex
-    /// far along edges from the boundary of a surface with one loop.
+    /// Returns the poles that are given or found at protrusions; where none are asked for, as many as the
+    /// surface needs, far from each other and from the boundary along edges.
     ///
     /// # Errors
     /// A vertex that the mesh does not have; a surface of several parts; the observer asks to stop.
@@ -36,33 +36,33 @@ impl Poles {
             Puncture::Named(NamedPuncture::Auto) => Some(ProtrusionOptions::default()),
             Puncture::Protrusions(options) => Some(*options),
         };
-        let mut said = "the surface needs poles: ";
-        let (chosen, at) = match (facts.genus, facts.boundary_loops) {
-            (Some(genus), 0) if genus == 0 || automatic.is_some() => {
-                if automatic.is_some() {
-                    said = "";
-                }
-                let options = automatic.unwrap_or_default();
+        let (chosen, said) = match (facts.genus, facts.boundary_loops, automatic) {
+            (_, 0, Some(options)) => {
                 let found = Protrusions::of(mesh, &options, observer);
-                let found = found.map_err(DomainError::from).map_err(TSplineError::from)?;
-                (found.vertices, "at protrusions")
+                let found = found.map_err(DomainError::from);
+                let found = found.map_err(TSplineError::from)?;
+                (found.vertices, "found at protrusions")
             }
-            (_, 1) => {
+            (Some(0), 0, None) => {
+                // The end of a longest path: twice there and back, as in a tree.
+                let first = farthest(mesh, &[0]);
+                let chosen = vec![farthest(mesh, &[first]), first];
+                (chosen, "chosen, far from each other")
+            }
+            (_, 1, _) => {
                 let boundary = mesh.topology().boundary_loops().concat();
                 let rim: Vec<u32> = boundary
                     .iter()
                     .map(|&h| mesh.topology().origin(h))
                     .collect();
-                (vec![farthest(mesh, &rim)], "far from the boundary")
+                (vec![farthest(mesh, &rim)], "chosen, far from the boundary")
             }
             _ => (Vec::new(), ""),
         };
         let listed: Vec<String> = chosen.iter().map(u32::to_string).collect();
         let warning = (!chosen.is_empty()).then(|| {
-            format!(
-                "{said}vertices {} were chosen as poles, {at}; choose others with --puncture",
-                listed.join(",")
-            )
+            let listed = listed.join(",");
+            format!("poles: vertices {listed} were {said}; choose others with --puncture")
         });
         Ok(Self {
             vertices: chosen,
@@ -144,7 +144,7 @@ mod tests {
         let auto = Puncture::Named(NamedPuncture::Auto);
         let asked = poles(&torus, &auto).expect("some");
         assert!(asked.vertices.len() >= 2);
-        assert!(asked.warning.expect("said").starts_with("vertices"));
+        assert!(asked.warning.expect("said").contains("protrusions"));
         let sheet = poles(&shapes::height_field(225), &auto).expect("one");
         assert_eq!(sheet.vertices.len(), 1);
         assert!(sheet.warning.expect("said").contains("--puncture"));
