@@ -103,7 +103,11 @@ impl FormChoice {
             Self::IntegerPeriods(given) => {
                 let periods = checked(basis, given.iter().map(|&n| n as f64).collect())?;
                 let imaginary = with_periods(basis, &periods)?.map(f64::round);
-                Ok(vec![from_imaginary(basis, &Uniformity::sample(basis), imaginary)])
+                Ok(vec![from_imaginary(
+                    basis,
+                    &Uniformity::sample(basis),
+                    imaginary,
+                )])
             }
         }
     }
@@ -217,11 +221,7 @@ fn optimal(basis: &HolomorphicBasis, seed: u64) -> Vec<HolomorphicForm> {
 }
 
 /// Forms with an integer imaginary part, best first.
-fn integer(
-    basis: &HolomorphicBasis,
-    objective: ClassObjective,
-    seed: u64,
-) -> Vec<HolomorphicForm> {
+fn integer(basis: &HolomorphicBasis, objective: ClassObjective, seed: u64) -> Vec<HolomorphicForm> {
     let measure = Uniformity::sample(basis);
     let found = integer_forms(basis, objective, seed, starts(basis));
     found

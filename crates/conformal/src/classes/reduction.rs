@@ -73,11 +73,15 @@ mod tests {
     #[test]
     fn a_sheared_lattice_of_squares_is_found_again() {
         for shear in [3.0, -7.0, 100.0] {
-            let skew = DMatrix::from_row_slice(3, 3, &[
-                1.0, shear, 2.0, //
-                0.0, 1.0, -shear, //
-                0.0, 0.0, 1.0,
-            ]);
+            let skew = DMatrix::from_row_slice(
+                3,
+                3,
+                &[
+                    1.0, shear, 2.0, //
+                    0.0, 1.0, -shear, //
+                    0.0, 0.0, 1.0,
+                ],
+            );
             let basis = reduced(&(skew.transpose() * &skew));
             assert!((basis.determinant().abs() - 1.0).abs() < 1e-9);
             let vectors = &skew * basis;

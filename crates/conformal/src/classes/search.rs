@@ -76,18 +76,22 @@ pub(crate) fn rank(
     let first = sorted(beginnings(&coarse, &even), SETTLED);
     let settled = first.par_iter().map(|state| coarse.settled(state));
     let settled = sorted(settled.collect(), CLIMBERS);
-    let climbed = settled.into_par_iter().map(|state| climb(&coarse, state));
+    let climbed = settled
+        .par_iter()
+        .map(|state| climb(&coarse, state.clone()));
     let climbed = sorted(climbed.collect(), CLIMBERS);
     let fine = Sampled::of(space, measure);
-    let best = climbed.into_par_iter().enumerate().map(|(place, state)| {
-        let state = fine.settled(&fine.state(state.x));
-        if place < FINALISTS {
+    // Those that others climbed past stay, for where the best do not lie flat.
+    let all: Vec<(usize, &State)> = climbed.iter().chain(&settled).enumerate().collect();
+    let best = all.into_par_iter().map(|(place, state)| {
+        let state = fine.settled(&fine.state(state.x.clone()));
+        if place < FINALISTS.min(climbed.len()) {
             climb(&fine, state)
         } else {
             state
         }
     });
-    let best = sorted(best.collect(), CLIMBERS);
+    let best = sorted(best.collect(), 2 * CLIMBERS);
     best.into_iter().map(|state| state.x).collect()
 }
 
@@ -107,7 +111,9 @@ fn beginnings(sampled: &Sampled<'_>, even: &[DVector<f64>]) -> Vec<State> {
     if real == 0 {
         classes.retain(|class| *class != none);
         let states = classes.par_iter();
-        return states.map(|class| sampled.state(whole(class, &[]))).collect();
+        return states
+            .map(|class| sampled.state(whole(class, &[])))
+            .collect();
     }
     let patterns: Vec<&[f64]> = (even.iter().take(PATTERNS))
         .map(|x| &x.as_slice()[space.classes..])
@@ -117,7 +123,11 @@ fn beginnings(sampled: &Sampled<'_>, even: &[DVector<f64>]) -> Vec<State> {
         let own = energy(&whole(class, &vec![0.0; real]));
         let tried = patterns.iter().flat_map(|&pattern| {
             let alone = energy(&whole(&none, pattern));
-            let natural = if *class == none { 1.0 } else { (own / alone).sqrt() };
+            let natural = if *class == none {
+                1.0
+            } else {
+                (own / alone).sqrt()
+            };
             let scales = SCALES.iter().flat_map(|s| [*s, -s]);
             scales.map(move |s| pattern.iter().map(|f| f * s * natural).collect())
         });
@@ -126,7 +136,11 @@ fn beginnings(sampled: &Sampled<'_>, even: &[DVector<f64>]) -> Vec<State> {
     };
     let mut found: Vec<State> = classes.par_iter().filter_map(best).collect();
     // Forms without periods, from every pattern.
-    found.extend(patterns.iter().map(|pattern| sampled.state(whole(&none, pattern))));
+    found.extend(
+        patterns
+            .iter()
+            .map(|pattern| sampled.state(whole(&none, pattern))),
+    );
     found
 }
 
@@ -159,7 +173,9 @@ fn rounded(space: &ClassSpace, x: &DVector<f64>) -> Vec<Vec<i64>> {
         class.iter().map(|n| (n * scale).round() as i64).collect()
     };
     let largest = if space.classes == 0 { 0 } else { LARGEST_ENTRY };
-    let pairs = turned.iter().flat_map(|x| (1..=largest).map(move |n| (x, n)));
+    let pairs = turned
+        .iter()
+        .flat_map(|x| (1..=largest).map(move |n| (x, n)));
     pairs.map(|(x, n)| round(x, n)).collect()
 }
 
@@ -174,9 +190,8 @@ fn climb(sampled: &Sampled<'_>, start: State) -> State {
             .collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         let tried = ranked.iter().take(SETTLED_STEPS);
-        let tried = tried.map(|&(_, entry, step)| {
-            sampled.settled(&sampled.stepped(&best, entry, step))
-        });
+        let tried =
+            tried.map(|&(_, entry, step)| sampled.settled(&sampled.stepped(&best, entry, step)));
         let found = tried.min_by(|a, b| a.cost.total_cmp(&b.cost));
         match found {
             Some(found) if found.cost < best.cost => best = found,

@@ -62,7 +62,9 @@ impl State {
     pub(super) fn turn_round(&mut self) {
         self.x.neg_mut();
         self.image.neg_mut();
-        self.values.iter_mut().for_each(|[a, b]| [*a, *b] = [-*a, -*b]);
+        self.values
+            .iter_mut()
+            .for_each(|[a, b]| [*a, *b] = [-*a, -*b]);
     }
 }
 
@@ -224,7 +226,9 @@ impl Objective for Settling<'_> {
         let logs: Vec<f64> = state.values.iter().map(|v| 0.5 * squares(v).ln()).collect();
         let weighted = logs.iter().zip(&sampled.weights);
         let mean: f64 = weighted.clone().map(|(log, w)| w * log).sum();
-        let variance: f64 = weighted.map(|(log, w)| w * (log - mean) * (log - mean)).sum();
+        let variance: f64 = weighted
+            .map(|(log, w)| w * (log - mean) * (log - mean))
+            .sum();
         // Derivatives of the variance by the squares, doubled.
         let factors: Vec<f64> = logs
             .iter()

@@ -50,7 +50,10 @@ pub struct ProtrusionOptions {
 
 impl Default for ProtrusionOptions {
     fn default() -> Self {
-        Self { most: 12, gain: 0.07 }
+        Self {
+            most: 12,
+            gain: 0.07,
+        }
     }
 }
 
@@ -204,8 +207,7 @@ impl Potentials {
         let entry = |sample: usize, k: usize, part: usize| match k.checked_sub(classes) {
             None => self.classes[k][sample][part],
             Some(other) => {
-                self.sources[poles[other + 1]][sample][part]
-                    - self.sources[poles[0]][sample][part]
+                self.sources[poles[other + 1]][sample][part] - self.sources[poles[0]][sample][part]
             }
         };
         let parts = [0, 1].map(|part| DMatrix::from_fn(samples, free, |s, k| entry(s, k, part)));
@@ -221,14 +223,16 @@ impl Potentials {
             DVector::from_iterator(free, others)
         };
         let x = &root * of(&start[classes..]);
-        let (_, x) = minimise(&measure.in_basis(&inverse), &x / x.norm());
+        let (_, x) = minimise(&measure.in_basis(&inverse), x.normalize());
         let found = inverse * x;
         let others = found.rows(classes, poles.len() - 1);
         let fluxes = std::iter::once(-others.sum()).chain(others.iter().copied());
         let fluxes = balanced(fluxes.collect())?;
         let all = found.iter().take(classes).chain(&fluxes).copied();
         let coefficients: Vec<f64> = all.collect();
-        let kept = coefficients[..classes].iter().chain(&coefficients[classes + 1..]);
+        let kept = coefficients[..classes]
+            .iter()
+            .chain(&coefficients[classes + 1..]);
         let kept = DVector::from_iterator(free, kept.copied());
         Some(Set {
             poles: poles.to_vec(),
@@ -254,7 +258,9 @@ impl Potentials {
             starts.min_by(|a, b| a.variance.total_cmp(&b.variance))
         };
         let found: Vec<Set> = pairs.par_iter().filter_map(settle).collect();
-        let best = found.into_iter().min_by(|a, b| a.variance.total_cmp(&b.variance));
+        let best = found
+            .into_iter()
+            .min_by(|a, b| a.variance.total_cmp(&b.variance));
         best.unwrap_or(Set {
             poles: vec![0, 1],
             coefficients: Vec::new(),
@@ -275,7 +281,11 @@ impl Potentials {
             poles.push(tip);
             let mut coefficients = set.coefficients.clone();
             // What the new pole takes comes from the others in proportion.
-            let same: f64 = fluxes.iter().filter(|f| **f * flux < 0.0).map(|f| f.abs()).sum();
+            let same: f64 = fluxes
+                .iter()
+                .filter(|f| **f * flux < 0.0)
+                .map(|f| f.abs())
+                .sum();
             for own in &mut coefficients[classes..] {
                 if *own * flux < 0.0 {
                     *own *= 1.0 + flux.abs() / same;
@@ -285,6 +295,8 @@ impl Potentials {
             self.settled(&poles, &coefficients)
         };
         let found: Vec<Set> = tried.par_iter().filter_map(with).collect();
-        found.into_iter().min_by(|a, b| a.variance.total_cmp(&b.variance))
+        found
+            .into_iter()
+            .min_by(|a, b| a.variance.total_cmp(&b.variance))
     }
 }

@@ -62,22 +62,27 @@ pub(super) fn best(basis: &PoledBasis, objective: ClassObjective, seed: u64) -> 
     };
     let measure = basis.uniformity();
     let ranked = rank(&space, &measure.in_basis(&lift), seed, STARTS);
-    let mut found: Vec<(f64, Candidate)> = ranked
-        .par_iter()
-        .filter_map(|x| {
-            let class = x.rows(0, handles);
-            let coefficients = &lift.columns(0, handles) * class;
-            let class = coefficients.rows(0, handles);
-            let class = class.iter().map(|n| n.round() as i64).collect();
-            let fluxes = x.rows(handles, x.len() - handles);
-            let candidate = with_enough_flux(basis, class, fluxes.iter().copied())?;
-            let (variance, found) = (measure.variance(&candidate.imaginary), &candidate.imaginary);
-            let inverse = lift.clone().try_inverse()?;
-            let cost = variance + space.cost_of_energy_of(&(inverse * found));
-            Some((cost, Candidate { log_variance: variance, ..candidate }))
-        })
-        .collect();
-    found.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.class.cmp(&b.1.class)));
+    let Some(inverse) = lift.clone().try_inverse() else {
+        return Vec::new();
+    };
+    let enough = |x: &DVector<f64>| {
+        let class = lift.view((0, 0), (handles, handles)) * x.rows(0, handles);
+        let class = class.iter().map(|n| n.round() as i64).collect();
+        let fluxes = x.rows(handles, x.len() - handles);
+        let found = with_enough_flux(basis, class, fluxes.iter().copied())?;
+        let log_variance = measure.variance(&found.imaginary);
+        let cost = log_variance + space.cost_of_energy_of(&(&inverse * &found.imaginary));
+        let found = Candidate {
+            log_variance,
+            ..found
+        };
+        Some((cost, found))
+    };
+    let mut found: Vec<(f64, Candidate)> = ranked.par_iter().filter_map(enough).collect();
+    found.sort_by(|a, b| {
+        let costs = a.0.total_cmp(&b.0);
+        costs.then_with(|| a.1.class.cmp(&b.1.class))
+    });
     found.into_iter().map(|(_, candidate)| candidate).collect()
 }
 

@@ -118,13 +118,23 @@ pub(super) fn tips(mesh: &TriangleMesh) -> Vec<u32> {
     let ways = Ways::of(mesh);
     let vertices = 0..mesh.vertex_count() as u32;
     let farthest = |distances: &[f64]| {
-        let reached = vertices.clone().filter(|&v| distances[v as usize].is_finite());
+        let reached = vertices
+            .clone()
+            .filter(|&v| distances[v as usize].is_finite());
         reached.fold(0, |best, v| {
-            if distances[v as usize] > distances[best as usize] { v } else { best }
+            if distances[v as usize] > distances[best as usize] {
+                v
+            } else {
+                best
+            }
         })
     };
     // The end of a longest path, so that no number of a vertex counts.
-    let centre = mesh.positions().iter().map(|p| p.coords).sum::<nalgebra::Vector3<f64>>()
+    let centre = mesh
+        .positions()
+        .iter()
+        .map(|p| p.coords)
+        .sum::<nalgebra::Vector3<f64>>()
         / mesh.vertex_count() as f64;
     let out: Vec<f64> = (mesh.positions().iter())
         .map(|p| (p.coords - centre).norm())

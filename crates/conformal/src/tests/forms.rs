@@ -5,7 +5,8 @@ use msplines_common::progress::unobserved;
 use nalgebra::{DMatrix, DVector, Point3};
 
 use crate::{
-    ClassObjective, ConformalError, FormChoice, HolomorphicBasis, HolomorphicForm, Homology, Uniformity,
+    ClassObjective, ConformalError, FormChoice, HolomorphicBasis, HolomorphicForm, Homology,
+    Uniformity,
 };
 
 /// Sums around faces are rounding of numbers of size one.
@@ -134,10 +135,7 @@ fn the_optimal_form_is_more_even_than_others_and_integer_ones_come_near() {
         variances[0] < 0.3 && variances[1] > 2.0 * variances[0],
         "{variances:?}"
     );
-    let integer = FormChoice::integer(0)
-        .candidates(&basis)
-        .unwrap()
-        .remove(0);
+    let integer = FormChoice::integer(0).candidates(&basis).unwrap().remove(0);
     assert!(integer.imaginary.iter().all(|n| n.fract() == 0.0));
     assert!(integer.log_variance < 1.5 * best.log_variance + 0.02);
 }
@@ -151,7 +149,11 @@ fn no_class_of_small_entries_costs_less_than_the_one_found() {
         let choice = FormChoice::Integer { seed: 0, objective };
         let found = choice.candidates(&basis).unwrap();
         let cost = |form: &HolomorphicForm| objective.cost(form.log_variance, form.energy);
-        assert!(found.windows(2).all(|pair| cost(&pair[0]) <= cost(&pair[1]) + 1e-3));
+        assert!(
+            found
+                .windows(2)
+                .all(|pair| cost(&pair[0]) <= cost(&pair[1]) + 1e-3)
+        );
         // Zero, one and two of either sign, in all four places.
         for code in 1..625 {
             let digit = |k: u32| f64::from(code / 5_i32.pow(k) % 5 - 2);
