@@ -52,19 +52,24 @@ fn a_sphere_with_spikes_gets_their_tips() {
         let mesh = with_spikes(&axes(count));
         let poles = found(&mesh);
         let tips = farthest(&mesh, &axes(count));
-        // The sides of the body may get some more, after the spikes.
+        // The sides of the body may get some more.
         assert!(poles.vertices.len() >= count, "{:?}", poles.variances);
         for tip in tips {
             let at = |v: u32| mesh.positions()[v as usize];
-            let first = poles.vertices[..count].iter();
-            let off = first.map(|&v| (at(v) - at(tip)).norm());
+            let off = poles.vertices.iter();
+            let off = off.map(|&v| (at(v) - at(tip)).norm());
             // Of the two and a half radii from the centre to the tip; vertices are a fifth of one apart.
             let off = off.fold(f64::MAX, f64::min);
             let all: Vec<_> = poles.vertices.iter().map(|&v| at(v)).collect();
             assert!(off < 0.5, "{count}: {} is {off} off {all:?}", at(tip));
         }
-        let falls = poles.variances.windows(2).all(|pair| pair[1] < pair[0]);
-        assert!(falls, "{:?}", poles.variances);
+        // All poles beyond two together bring what they have to.
+        let (first, last) = (
+            poles.variances[0],
+            poles.variances[poles.variances.len() - 1],
+        );
+        let gain = ProtrusionOptions::default().gain * (poles.variances.len() - 1) as f64;
+        assert!(last <= first - gain, "{:?}", poles.variances);
     }
 }
 
