@@ -28,7 +28,7 @@ pub(crate) fn case(arguments: &TSpline, session: &Session) -> Case {
     };
     let method = TSplineMethod {
         form: arguments.form.clone(),
-        puncture: arguments.puncture.clone(),
+        puncture: arguments.puncture.clone().unwrap_or_default(),
         fit: FitOptions {
             stop,
             fairness: arguments.fairness.unwrap_or(defaults.fairness),

@@ -8,11 +8,11 @@ use crate::basis::HolomorphicBasis;
 use crate::descent::{Objective, minimise};
 
 /// Faces that a form is judged by; the variance of a sample of so many is right to some percent.
-const SAMPLES: usize = 8192;
+pub(crate) const SAMPLES: usize = 8192;
 
 /// Lengths below this part of the root mean square count as this part: the logarithm has poles at the
 /// zeros of a form, and between two samples anything may happen there.
-const FLOOR: f64 = 1e-2;
+pub(crate) const FLOOR: f64 = 1e-2;
 
 /// How even forms are: derivatives `q_k` of a basis on sampled faces.
 #[derive(Clone, Debug)]
@@ -24,6 +24,8 @@ pub struct Uniformity {
     weights: Vec<f64>,
     /// Square of the smallest length.
     floor: f64,
+    /// That length over the root mean square.
+    least: f64,
 }
 
 impl Uniformity {
@@ -31,7 +33,7 @@ impl Uniformity {
     #[must_use]
     pub fn sample(basis: &HolomorphicBasis) -> Self {
         let triangulation = basis.triangulation();
-        let (chosen, weights) = sampled(triangulation);
+        let (chosen, weights) = sampled(triangulation, SAMPLES);
         let samples = chosen.len();
         let classes = basis.classes();
         let (mut real, mut imaginary) = (
@@ -67,7 +69,13 @@ impl Uniformity {
             classes,
             weights,
             floor: 0.0,
+            least: FLOOR,
         }
+    }
+
+    /// Returns the same measure with lengths below another part of the root mean square counted as that.
+    pub(crate) fn with_least(self, least: f64) -> Self {
+        Self { least, ..self }
     }
 
     /// Returns the same measure for coefficients `x` of which the old ones are `basis * x`.
@@ -78,15 +86,46 @@ impl Uniformity {
                 self.rows[(2 * sample + offset) * self.classes + k]
             }) * basis
         };
-        let mut changed = Self::from_parts(&[part(0), part(1)], self.weights.clone());
+        let changed = Self::from_parts(&[part(0), part(1)], self.weights.clone());
+        let mut changed = changed.with_least(self.least);
         let squares: f64 = changed
             .rows
             .chunks_exact(2 * self.classes)
             .zip(&self.weights)
             .map(|(row, weight)| weight * row.iter().map(|q| q * q).sum::<f64>())
             .sum();
-        changed.floor = FLOOR * FLOOR * squares / self.classes as f64;
+        changed.floor = self.least * self.least * squares / self.classes as f64;
         changed
+    }
+
+    /// Returns the same measure by so many of its samples at most.
+    pub(crate) fn thinned(&self, count: usize) -> Self {
+        let samples = self.weights.len();
+        if samples <= count {
+            return self.clone();
+        }
+        let chosen: Vec<usize> = (0..count).map(|i| i * samples / count).collect();
+        let total: f64 = chosen.iter().map(|&s| self.weights[s]).sum();
+        let row = |&s: &usize| &self.rows[2 * self.classes * s..2 * self.classes * (s + 1)];
+        Self {
+            rows: chosen.iter().flat_map(row).copied().collect(),
+            weights: chosen.iter().map(|&s| self.weights[s] / total).collect(),
+            ..*self
+        }
+    }
+
+    /// Returns the derivatives of each form of the basis on the samples.
+    pub(crate) fn columns(&self) -> Vec<Vec<[f64; 2]>> {
+        let column = |k: usize| {
+            let rows = self.rows.chunks_exact(2 * self.classes);
+            rows.map(|row| [row[k], row[self.classes + k]]).collect()
+        };
+        (0..self.classes).map(column).collect()
+    }
+
+    /// Returns the part of the sampled area that belongs to each sample.
+    pub(crate) fn weights(&self) -> &[f64] {
+        &self.weights
     }
 
     /// Returns the area-weighted variance of `log |ω|` of the form whose real part has these coefficients
@@ -98,7 +137,8 @@ impl Uniformity {
     pub fn variance(&self, coefficients: &DVector<f64>) -> f64 {
         let lengths = self.derivatives(coefficients);
         let squares = lengths.iter().zip(&self.weights);
-        let floor = FLOOR * FLOOR * squares.map(|([a, b], w)| w * (a * a + b * b)).sum::<f64>();
+        let square: f64 = squares.map(|([a, b], w)| w * (a * a + b * b)).sum();
+        let floor = self.least * self.least * square;
         let logs = lengths
             .iter()
             .map(|[a, b]| 0.5 * (a * a + b * b + floor).ln());
@@ -161,10 +201,13 @@ impl Objective for Uniformity {
     }
 }
 
-/// Returns faces spread evenly by number, and the share of their area that each of them has.
-pub(crate) fn sampled(triangulation: &IntrinsicTriangulation) -> (Vec<usize>, Vec<f64>) {
+/// Returns so many faces spread evenly by number, and the share of their area that each of them has.
+pub(crate) fn sampled(
+    triangulation: &IntrinsicTriangulation,
+    most: usize,
+) -> (Vec<usize>, Vec<f64>) {
     let faces = triangulation.faces.len();
-    let samples = faces.min(SAMPLES);
+    let samples = faces.min(most);
     let chosen: Vec<usize> = (0..samples).map(|i| i * faces / samples).collect();
     let areas = chosen
         .iter()

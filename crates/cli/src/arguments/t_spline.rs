@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use msplines_compare::case::{FaceSamples, Form};
+use msplines_compare::case::{FaceSamples, Form, Puncture};
 
 /// `msplines fit t-spline`.
 #[derive(Debug, Args)]
@@ -25,10 +25,11 @@ pub(crate) struct TSpline {
     /// Whether vertices move over the domain to the nearest points of the surface.
     #[arg(long, value_enum, default_value_t = Toggle::On)]
     pub(crate) correction: Toggle,
-    /// Vertices, counted from 0, whose stars are removed and closed by caps. Surfaces of genus 0 need two
-    /// such or boundary loops; the farthest from each other where absent.
-    #[arg(long, value_name = "V,...", value_delimiter = ',')]
-    pub(crate) puncture: Vec<u32>,
+    /// Vertices, counted from 0, whose stars are removed and closed by caps; `auto` for as many at
+    /// the protrusions of a closed surface as make its form more even. Surfaces of genus 0 need two such or
+    /// boundary loops; the farthest from each other where absent.
+    #[arg(long, value_name = "V,...|auto", allow_hyphen_values = true)]
+    pub(crate) puncture: Option<Puncture>,
     /// Weight of the thin plate, relative to that of the vertices.
     #[arg(long, value_name = "W", allow_hyphen_values = true)]
     pub(crate) fairness: Option<f64>,

@@ -41,7 +41,7 @@ impl Form {
     pub fn choice(&self, seed: u64) -> FormChoice {
         match self {
             Self::Optimal => FormChoice::Optimal { seed },
-            Self::Integer => FormChoice::Integer { seed },
+            Self::Integer => FormChoice::integer(seed),
             Self::IntegerPeriods(periods) => FormChoice::IntegerPeriods(periods.clone()),
             Self::Periods(periods) => FormChoice::Periods(periods.clone()),
             Self::Coefficients(coefficients) => FormChoice::Coefficients(coefficients.clone()),
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn seeds_reach_the_searches() {
-        assert_eq!(Form::Integer.choice(7), FormChoice::Integer { seed: 7 });
+        assert_eq!(Form::Integer.choice(7), FormChoice::integer(7));
         assert_eq!(Form::default().choice(3), FormChoice::Optimal { seed: 3 });
     }
 }

@@ -14,7 +14,7 @@ use crate::basis::raised;
 use crate::bounded::{BoundedError, between_loops, coclosing};
 use crate::error::ConformalError;
 use crate::extension::{cotangent_weights, ends, laplacian};
-use crate::uniformity::{Uniformity, gradient, sampled};
+use crate::uniformity::{SAMPLES, Uniformity, gradient, sampled};
 
 /// Determinants of integer matrices further from ±1 than this are wrong.
 const UNIMODULAR: f64 = 1e-6;
@@ -185,7 +185,7 @@ impl PoledBasis {
 
     /// Returns what measures how even forms are, by the coefficients of the imaginary part.
     pub(super) fn uniformity(&self) -> Uniformity {
-        let (chosen, weights) = sampled(&self.triangulation);
+        let (chosen, weights) = sampled(&self.triangulation, SAMPLES);
         let classes = self.classes();
         let derivatives = |forms: &Forms| {
             let mut parts = [0; 2].map(|_| DMatrix::zeros(chosen.len(), classes));

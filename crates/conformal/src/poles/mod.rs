@@ -16,9 +16,13 @@
 mod basis;
 mod error;
 mod holes;
+#[cfg(test)]
+mod protrusion_tests;
+mod protrusions;
 mod search;
 #[cfg(test)]
 mod tests;
+mod tips;
 
 use msplines_common::mesh::{SurfacePoint, TriangleMesh};
 use msplines_common::progress::{Observer, Stages};
@@ -26,6 +30,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::atlas::{Atlas, Ground, failure};
 use crate::circle::CircleMap;
+use crate::classes::ClassObjective;
 use crate::closed::points_around;
 use crate::error::ConformalError;
 use crate::flat::FlatComplex;
@@ -35,6 +40,7 @@ use holes::{Cut, Holes};
 use search::{Candidate, LEAST_FLUX};
 
 pub use error::PolesError;
+pub use protrusions::{ProtrusionOptions, Protrusions};
 
 /// Rounds in which faces are split where forms fold them.
 const ROUNDS: usize = 6;
@@ -46,11 +52,14 @@ const BALANCED: f64 = 1e-9;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PoleChoice {
-    /// The most even form that a search from seeded starts finds, with no flux below a quarter of the
-    /// largest one.
+    /// The most even and shortest form that a search from seeded starts finds, with no flux below a
+    /// quarter of the largest one.
     Optimal {
         /// Seed of the starts.
         seed: u64,
+        /// What classes are compared by.
+        #[serde(default)]
+        objective: ClassObjective,
     },
     /// A class and fluxes.
     Given {
@@ -64,7 +73,18 @@ pub enum PoleChoice {
 
 impl Default for PoleChoice {
     fn default() -> Self {
-        Self::Optimal { seed: 0 }
+        Self::optimal(0)
+    }
+}
+
+impl PoleChoice {
+    /// Returns the choice of the form that costs least by the usual objective.
+    #[must_use]
+    pub fn optimal(seed: u64) -> Self {
+        Self::Optimal {
+            seed,
+            objective: ClassObjective::default(),
+        }
     }
 }
 
@@ -129,7 +149,9 @@ impl Atlas {
                 (None, PoleChoice::Given { class, fluxes }) => {
                     search::given(&basis, class, fluxes).into_iter().collect()
                 }
-                (None, PoleChoice::Optimal { seed }) => search::most_even(&basis, *seed),
+                (None, PoleChoice::Optimal { seed, objective }) => {
+                    search::best(&basis, *objective, *seed)
+                }
             };
             let expected = 2 * holes.genus() as i64 - 2 + holes.count() as i64;
             let tried = best(&cut, &basis, candidates, expected, &mut stages)?;

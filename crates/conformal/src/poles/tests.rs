@@ -145,6 +145,44 @@ fn a_class_and_fluxes_that_are_given_are_kept() {
     );
 }
 
+/// `∫ |ω|²` of a form with a period of 1.
+fn energy(found: &PoledAtlas) -> f64 {
+    let sides = found.atlas.form().as_chunks::<3>().0.iter();
+    let areas = sides.map(|[a, b, _]| 0.5 * (a[0] * b[1] - a[1] * b[0]).abs());
+    areas.sum::<f64>() / found.atlas.scale_factor().powi(2)
+}
+
+#[test]
+fn forms_with_poles_do_not_wind() {
+    let objective = ClassObjective::default();
+    let cost = |found: &PoledAtlas| objective.cost(found.log_variance, energy(found));
+    let mesh = shapes::genus(2, 1600);
+    let poles = spread(&mesh, 2);
+    let best = poled(&mesh, &poles);
+    check_laws(&best, 2, 2);
+    if best.class.iter().all(|&n| n == 0) {
+        return;
+    }
+    for entry in 0..4 {
+        for step in [-1, 1] {
+            let mut class = best.class.clone();
+            class[entry] += step;
+            let fluxes = best.fluxes.clone();
+            let choice = PoleChoice::Given { class, fluxes };
+            // Some of them fold.
+            if let Ok(other) = Atlas::with_poles(&mesh, &poles, &choice, &mut unobserved()) {
+                assert!(cost(&other) > cost(&best) - 5e-3, "{:?}", other.class);
+            }
+        }
+    }
+    let free = PoleChoice::Optimal {
+        seed: 0,
+        objective: ClassObjective { energy: 0.0 },
+    };
+    let winding = Atlas::with_poles(&mesh, &poles, &free, &mut unobserved()).expect("an atlas");
+    assert!(energy(&best) <= energy(&winding) * (1.0 + 1e-6));
+}
+
 #[test]
 fn a_finger_that_ends_in_a_pole_is_even() {
     let mesh = crate::tests::with_finger(40);

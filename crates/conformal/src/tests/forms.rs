@@ -4,7 +4,10 @@ use msplines_common::mesh::{TriangleMesh, shapes, zoo};
 use msplines_common::progress::unobserved;
 use nalgebra::{DMatrix, DVector, Point3};
 
-use crate::{ConformalError, FormChoice, HolomorphicBasis, Homology};
+use crate::{
+    ClassObjective, ConformalError, FormChoice, HolomorphicBasis, HolomorphicForm, Homology,
+    Uniformity,
+};
 
 /// Sums around faces are rounding of numbers of size one.
 const CLOSED: f64 = 1e-14;
@@ -132,12 +135,52 @@ fn the_optimal_form_is_more_even_than_others_and_integer_ones_come_near() {
         variances[0] < 0.3 && variances[1] > 2.0 * variances[0],
         "{variances:?}"
     );
-    let integer = FormChoice::Integer { seed: 0 }
-        .candidates(&basis)
-        .unwrap()
-        .remove(0);
+    let integer = FormChoice::integer(0).candidates(&basis).unwrap().remove(0);
     assert!(integer.imaginary.iter().all(|n| n.fract() == 0.0));
     assert!(integer.log_variance < 1.5 * best.log_variance + 0.02);
+}
+
+#[test]
+fn no_class_of_small_entries_costs_less_than_the_one_found() {
+    let basis = HolomorphicBasis::build(&shapes::genus(2, 1600), &mut unobserved()).unwrap();
+    let measure = Uniformity::sample(&basis);
+    for energy in [0.0, 0.06, 1.0] {
+        let objective = ClassObjective { energy };
+        let choice = FormChoice::Integer { seed: 0, objective };
+        let found = choice.candidates(&basis).unwrap();
+        let cost = |form: &HolomorphicForm| objective.cost(form.log_variance, form.energy);
+        assert!(
+            found
+                .windows(2)
+                .all(|pair| cost(&pair[0]) <= cost(&pair[1]) + 1e-3)
+        );
+        // Zero, one and two of either sign, in all four places.
+        for code in 1..625 {
+            let digit = |k: u32| f64::from(code / 5_i32.pow(k) % 5 - 2);
+            let class = DVector::from_fn(4, |k, _| digit(k as u32));
+            let own = class.dot(&(basis.gram() * &class));
+            if own == 0.0 {
+                continue;
+            }
+            let variance = measure.variance(&-basis.conjugate(&class));
+            // Classes are ranked by another floor of lengths, which shows in the third digit.
+            let least = cost(&found[0]) - 5e-3;
+            assert!(objective.cost(variance, own) > least, "{class} {energy}");
+        }
+    }
+}
+
+#[test]
+fn the_class_of_a_torus_is_its_shortest() {
+    let basis = HolomorphicBasis::build(&zoo::knotted(), &mut unobserved()).unwrap();
+    let [found, ..] = &FormChoice::integer(0).candidates(&basis).unwrap()[..] else {
+        panic!("a form")
+    };
+    for (a, b) in (-4..=4).flat_map(|a| (-4..=4).map(move |b| (a, b))) {
+        let class = DVector::from_vec(vec![f64::from(a), f64::from(b)]);
+        let energy = class.dot(&(basis.gram() * &class));
+        assert!((a, b) == (0, 0) || energy >= found.energy * (1.0 - 1e-12));
+    }
 }
 
 #[test]
@@ -151,7 +194,9 @@ fn forms_have_the_same_bits_on_any_number_of_threads() {
         pool.install(|| {
             let basis = HolomorphicBasis::build(&mesh, &mut unobserved()).unwrap();
             let form = FormChoice::default().candidates(&basis).unwrap().remove(0);
-            basis.form([&form.real, &form.imaginary])
+            let integer = FormChoice::integer(0).candidates(&basis).unwrap().remove(0);
+            let forms = [form, integer];
+            forms.map(|form| basis.form([&form.real, &form.imaginary]))
         })
     };
     assert_eq!(bits(1), bits(3));

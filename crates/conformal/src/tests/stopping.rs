@@ -107,7 +107,7 @@ fn integer_forms_are_maps_to_the_circle() {
     for genus in 1..=3 {
         let mesh = shapes::genus(genus, 700 * genus as usize);
         let options = AtlasOptions {
-            form: FormChoice::Integer { seed: 0 },
+            form: FormChoice::integer(0),
             puncture: Vec::new(),
         };
         let found = Atlas::of_surface(&mesh, &options, &mut unobserved()).expect("an atlas");

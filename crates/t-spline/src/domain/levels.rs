@@ -98,15 +98,6 @@ impl Levels {
         let level = position.rem_euclid(turn) / 2;
         (level as usize, position.div_euclid(turn))
     }
-
-    /// The least difference of two levels, around the circle; 1 where there is one level only.
-    pub(super) fn least_gap(&self) -> f64 {
-        let next = self.values.iter().skip(1).copied();
-        let around = self.values.first().map(|first| first + ONE);
-        let gaps = self.values.iter().zip(next.chain(around));
-        let least = gaps.map(|(low, high)| high - low).min();
-        least.map_or(1.0, |gap| gap as f64 / ONE as f64)
-    }
 }
 
 /// Whether `v` rises along a half-edge; equal only within one boundary loop.

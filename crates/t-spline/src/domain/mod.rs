@@ -64,7 +64,7 @@ pub struct DomainOptions {
 impl Default for DomainOptions {
     fn default() -> Self {
         Self {
-            form: FormChoice::Integer { seed: 0 },
+            form: FormChoice::integer(0),
             poles: Vec::new(),
             pole_form: PoleChoice::default(),
             snap: SnapOptions::default(),

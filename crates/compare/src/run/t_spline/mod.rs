@@ -46,7 +46,10 @@ pub(super) fn run(
     check(case, method)?;
     let input = prepared(load(&case.input, clock)?, case)?;
     enter("domain", clock, observer);
-    let poles = Poles::of(&input.mesh, &method.puncture)?;
+    let poles = {
+        let mut timed = following(&["domain"], clock, observer);
+        Poles::of(&input.mesh, &method.puncture, &mut timed)?
+    };
     let domain = domain(case, method, &input, &poles.vertices, clock, observer)?;
     enter("fit", clock, observer);
     let fit = fitted(&domain, method, &input, clock, observer)?;
@@ -107,7 +110,7 @@ fn domain(
     let options = DomainOptions {
         form: form.choice(case.seed),
         poles: poles.to_vec(),
-        pole_form: msplines_conformal::poles::PoleChoice::Optimal { seed: case.seed },
+        pole_form: msplines_conformal::poles::PoleChoice::optimal(case.seed),
         snap: method.snap,
     };
     let mut timed = following(&["domain"], clock, observer);

@@ -1,10 +1,14 @@
-//! Poles of surfaces that need some and are given none.
+//! Poles of surfaces: those that are given, those at protrusions, and those that a surface needs.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use msplines_common::mesh::{Facts, TriangleMesh};
+use msplines_common::progress::Observer;
+use msplines_conformal::poles::{ProtrusionOptions, Protrusions};
+use msplines_t_spline::domain::DomainError;
 
+use crate::case::{NamedPuncture, Puncture};
 use crate::error::{RunError, TSplineError};
 
 /// Poles of a surface.
@@ -15,50 +19,66 @@ pub(super) struct Poles {
 }
 
 impl Poles {
-    /// Returns the poles that are given; where none are, as many as the surface needs, far from each other
-    /// and from the boundary along edges.
+    /// Returns the poles that are given or found at protrusions; where none are asked for, as many as the
+    /// surface needs, far from each other and from the boundary along edges.
     ///
     /// # Errors
-    /// A vertex that the mesh does not have.
-    pub(super) fn of(mesh: &TriangleMesh, given: &[u32]) -> Result<Self, RunError> {
-        let vertices = mesh.vertex_count();
-        if let Some(&vertex) = given.iter().find(|&&v| v as usize >= vertices) {
-            return Err(TSplineError::NoSuchVertex { vertex, vertices }.into());
-        }
+    /// A vertex that the mesh does not have; a surface of several parts; the observer asks to stop.
+    pub(super) fn of(
+        mesh: &TriangleMesh,
+        given: &Puncture,
+        observer: &mut Observer<'_>,
+    ) -> Result<Self, RunError> {
         let facts = Facts::measure(mesh);
-        let chosen = match (facts.genus, facts.boundary_loops) {
-            _ if !given.is_empty() => {
-                return Ok(Self {
-                    vertices: given.to_vec(),
-                    warning: None,
-                });
+        let automatic = match given {
+            Puncture::Vertices(given) if !given.is_empty() => return Self::given(mesh, given),
+            Puncture::Vertices(_) | Puncture::Named(NamedPuncture::Needed) => None,
+            Puncture::Named(NamedPuncture::Auto) => Some(ProtrusionOptions::default()),
+            Puncture::Protrusions(options) => Some(*options),
+        };
+        let (chosen, said) = match (facts.genus, facts.boundary_loops, automatic) {
+            (_, 0, Some(options)) => {
+                let found = Protrusions::of(mesh, &options, observer);
+                let found = found.map_err(DomainError::from);
+                let found = found.map_err(TSplineError::from)?;
+                (found.vertices, "found at protrusions")
             }
-            (Some(0), 0) => {
+            (Some(0), 0, None) => {
                 // The end of a longest path: twice there and back, as in a tree.
                 let first = farthest(mesh, &[0]);
-                vec![farthest(mesh, &[first]), first]
+                let chosen = vec![farthest(mesh, &[first]), first];
+                (chosen, "chosen, far from each other")
             }
-            (_, 1) => {
+            (_, 1, _) => {
                 let boundary = mesh.topology().boundary_loops().concat();
                 let rim: Vec<u32> = boundary
                     .iter()
                     .map(|&h| mesh.topology().origin(h))
                     .collect();
-                vec![farthest(mesh, &rim)]
+                (vec![farthest(mesh, &rim)], "chosen, far from the boundary")
             }
-            _ => Vec::new(),
+            _ => (Vec::new(), ""),
         };
         let listed: Vec<String> = chosen.iter().map(u32::to_string).collect();
         let warning = (!chosen.is_empty()).then(|| {
-            format!(
-                "the surface needs poles: vertices {} were chosen, far from each other and from boundaries; choose with --puncture",
-                listed.join(",")
-            )
+            let listed = listed.join(",");
+            format!("poles: vertices {listed} were {said}; choose others with --puncture")
         });
         Ok(Self {
             vertices: chosen,
             warning,
         })
+    }
+
+    fn given(mesh: &TriangleMesh, given: &[u32]) -> Result<Self, RunError> {
+        let vertices = mesh.vertex_count();
+        match given.iter().find(|&&v| v as usize >= vertices) {
+            Some(&vertex) => Err(TSplineError::NoSuchVertex { vertex, vertices }.into()),
+            None => Ok(Self {
+                vertices: given.to_vec(),
+                warning: None,
+            }),
+        }
     }
 }
 
@@ -103,25 +123,32 @@ fn farthest(mesh: &TriangleMesh, from: &[u32]) -> u32 {
 #[cfg(test)]
 mod tests {
     use msplines_common::mesh::shapes;
+    use msplines_common::progress::unobserved;
 
     use super::*;
 
+    fn poles(mesh: &TriangleMesh, given: &Puncture) -> Result<Poles, RunError> {
+        Poles::of(mesh, given, &mut unobserved())
+    }
+
     #[test]
     fn poles_of_a_sphere_are_opposite_and_tori_need_none() {
+        let needed = Puncture::default();
         let sphere = shapes::sphere(400);
-        let poles = Poles::of(&sphere, &[]).expect("vertices").vertices;
-        let [a, b] = [0, 1].map(|i| sphere.positions()[poles[i] as usize].coords.normalize());
+        let found = poles(&sphere, &needed).expect("vertices").vertices;
+        let [a, b] = [0, 1].map(|i| sphere.positions()[found[i] as usize].coords.normalize());
         // Along edges some detours are shorter than others.
-        assert!(a.dot(&b) < -0.8, "{a} {b}");
-        assert!(
-            Poles::of(&shapes::torus(1.0, 0.4, 400), &[])
-                .expect("none")
-                .vertices
-                .is_empty()
-        );
-        let sheet = Poles::of(&shapes::height_field(225), &[]).expect("one");
+        assert!(found.len() == 2 && a.dot(&b) < -0.8, "{a} {b}");
+        let torus = shapes::torus(1.0, 0.4, 400);
+        assert!(poles(&torus, &needed).expect("none").vertices.is_empty());
+        let auto = Puncture::Named(NamedPuncture::Auto);
+        let asked = poles(&torus, &auto).expect("some");
+        assert!(asked.vertices.len() >= 2);
+        assert!(asked.warning.expect("said").contains("protrusions"));
+        let sheet = poles(&shapes::height_field(225), &auto).expect("one");
         assert_eq!(sheet.vertices.len(), 1);
         assert!(sheet.warning.expect("said").contains("--puncture"));
-        assert!(Poles::of(&sphere, &[4000]).is_err());
+        let missing = Puncture::Vertices(vec![4000]);
+        assert!(poles(&sphere, &missing).is_err());
     }
 }
