@@ -26,7 +26,7 @@ pub(crate) struct TSpline {
     #[arg(long, value_enum, default_value_t = Toggle::On)]
     pub(crate) correction: Toggle,
     /// Vertices, counted from 0, whose stars are removed and closed by caps. Surfaces of genus 0 need two
-    /// such or boundary loops; the farthest from each other where absent.
+    /// such or long boundary loops; the farthest from each other where absent. Short loops are closed.
     #[arg(long, value_name = "V,...", value_delimiter = ',')]
     pub(crate) puncture: Vec<u32>,
     /// Weight of the thin plate, relative to that of the vertices.

@@ -54,8 +54,9 @@ fn run(
     check(case, method)?;
     let input = prepared(load(&case.input, clock)?, case)?;
     enter("domain", clock, observer);
-    let poles = Poles::of(&input.mesh, &method.puncture)?;
-    let domain = domain(case, method, &input, &poles.vertices, clock, observer)?;
+    let wanted = Poles::wanted(&input.mesh, &method.puncture)?;
+    let domain = domain(case, method, &input, &wanted, clock, observer)?;
+    let poles = Poles::of(&domain, &method.puncture);
     enter("fit", clock, observer);
     let fit = fitted(&domain, method, &input, clock, observer)?;
     let report = fit.report;
@@ -78,8 +79,10 @@ fn run(
     errors(&mut record, &input, &at_vertices);
     record.outcome = report.outcome;
     record.warnings.extend(input.warnings.iter().cloned());
-    record.warnings.extend(poles.warning);
+    record.warnings.extend(poles.warnings);
     record.checks.extend(measure::surface(&surface, case.seed));
+    let boundary = measure::boundary(&input.mesh, &at_vertices);
+    record.checks.extend(boundary);
     record
         .checks
         .insert("rounds".to_owned(), json!(report.rounds));

@@ -1,9 +1,10 @@
-//! Poles of surfaces that need some and are given none.
+//! Poles of closed surfaces that need some and are given none, and what is said of ends that were chosen.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use msplines_common::mesh::{Facts, TriangleMesh};
+use msplines_t_spline::Domain;
 
 use crate::error::{RunError, TSplineError};
 
@@ -11,54 +12,48 @@ use crate::error::{RunError, TSplineError};
 pub(super) struct Poles {
     pub(super) vertices: Vec<u32>,
     /// What is to be said of them.
-    pub(super) warning: Option<String>,
+    pub(super) warnings: Vec<String>,
 }
 
 impl Poles {
-    /// Returns the poles that are given; where none are, as many as the surface needs, far from each other
-    /// and from the boundary along edges.
+    /// Returns the poles that are given; where none are, as many as a closed surface needs, far from each
+    /// other along edges. Those of surfaces with boundary are chosen with their cylinders.
     ///
     /// # Errors
     /// A vertex that the mesh does not have.
-    pub(super) fn of(mesh: &TriangleMesh, given: &[u32]) -> Result<Self, RunError> {
+    pub(super) fn wanted(mesh: &TriangleMesh, given: &[u32]) -> Result<Vec<u32>, RunError> {
         let vertices = mesh.vertex_count();
         if let Some(&vertex) = given.iter().find(|&&v| v as usize >= vertices) {
             return Err(TSplineError::NoSuchVertex { vertex, vertices }.into());
         }
         let facts = Facts::measure(mesh);
-        let chosen = match (facts.genus, facts.boundary_loops) {
-            _ if !given.is_empty() => {
-                return Ok(Self {
-                    vertices: given.to_vec(),
-                    warning: None,
-                });
-            }
-            (Some(0), 0) => {
-                // The end of a longest path: twice there and back, as in a tree.
-                let first = farthest(mesh, &[0]);
-                vec![farthest(mesh, &[first]), first]
-            }
-            (_, 1) => {
-                let boundary = mesh.topology().boundary_loops().concat();
-                let rim: Vec<u32> = boundary
-                    .iter()
-                    .map(|&h| mesh.topology().origin(h))
-                    .collect();
-                vec![farthest(mesh, &rim)]
-            }
-            _ => Vec::new(),
-        };
-        let listed: Vec<String> = chosen.iter().map(u32::to_string).collect();
-        let warning = (!chosen.is_empty()).then(|| {
-            format!(
+        if !given.is_empty() || (facts.genus, facts.boundary_loops) != (Some(0), 0) {
+            return Ok(given.to_vec());
+        }
+        // The end of a longest path: twice there and back, as in a tree.
+        let first = farthest(mesh, &[0]);
+        Ok(vec![farthest(mesh, &[first]), first])
+    }
+
+    /// Returns the poles of a domain, and says which were chosen and how many holes were closed.
+    pub(super) fn of(domain: &Domain, given: &[u32]) -> Self {
+        let vertices: Vec<u32> = domain.poles().iter().map(|pole| pole.vertex).collect();
+        let mut warnings = Vec::new();
+        let chosen = vertices.iter().filter(|vertex| !given.contains(vertex));
+        let listed: Vec<String> = chosen.map(u32::to_string).collect();
+        if !listed.is_empty() {
+            warnings.push(format!(
                 "the surface needs poles: vertices {} were chosen, far from each other and from boundaries; choose with --puncture",
                 listed.join(",")
-            )
-        });
-        Ok(Self {
-            vertices: chosen,
-            warning,
-        })
+            ));
+        }
+        let holes = domain.report().closed_holes;
+        if holes > 0 {
+            warnings.push(format!(
+                "{holes} boundary loops are no ends of cylinders: the spline goes on over their holes, which files of triangles leave open"
+            ));
+        }
+        Self { vertices, warnings }
     }
 }
 
@@ -103,25 +98,32 @@ fn farthest(mesh: &TriangleMesh, from: &[u32]) -> u32 {
 #[cfg(test)]
 mod tests {
     use msplines_common::mesh::shapes;
+    use msplines_common::progress::unobserved;
+    use msplines_t_spline::DomainOptions;
 
     use super::*;
 
     #[test]
-    fn poles_of_a_sphere_are_opposite_and_tori_need_none() {
+    fn poles_of_a_sphere_are_opposite_and_other_surfaces_are_left_alone() {
         let sphere = shapes::sphere(400);
-        let poles = Poles::of(&sphere, &[]).expect("vertices").vertices;
+        let poles = Poles::wanted(&sphere, &[]).expect("vertices");
         let [a, b] = [0, 1].map(|i| sphere.positions()[poles[i] as usize].coords.normalize());
         // Along edges some detours are shorter than others.
         assert!(a.dot(&b) < -0.8, "{a} {b}");
-        assert!(
-            Poles::of(&shapes::torus(1.0, 0.4, 400), &[])
-                .expect("none")
-                .vertices
-                .is_empty()
-        );
-        let sheet = Poles::of(&shapes::height_field(225), &[]).expect("one");
-        assert_eq!(sheet.vertices.len(), 1);
-        assert!(sheet.warning.expect("said").contains("--puncture"));
-        assert!(Poles::of(&sphere, &[4000]).is_err());
+        for other in [shapes::torus(1.0, 0.4, 400), shapes::height_field(225)] {
+            assert!(Poles::wanted(&other, &[]).expect("none").is_empty());
+        }
+        assert!(Poles::wanted(&sphere, &[4000]).is_err());
+    }
+
+    #[test]
+    fn what_was_chosen_for_an_open_surface_is_said() {
+        let mesh = shapes::height_field(225);
+        let options = DomainOptions::default();
+        let domain = Domain::of_surface(&mesh, &options, &mut unobserved()).expect("a domain");
+        let poles = Poles::of(&domain, &[]);
+        assert_eq!(poles.vertices.len(), 1);
+        assert!(poles.warnings[0].contains("--puncture"));
+        assert!(Poles::of(&domain, &poles.vertices).warnings.is_empty());
     }
 }

@@ -31,7 +31,7 @@ fn cut(mesh: &TriangleMesh, poles: &[u32], snap: SnapOptions) -> Domain {
 }
 
 /// Checks what holds on every domain.
-fn check(domain: &Domain) {
+pub(super) fn check(domain: &Domain) {
     let (jump, vertex) = (farthest_jump(domain), farthest_vertex(domain));
     assert!(
         jump < ROUNDING && vertex < ROUNDING,
