@@ -26,8 +26,8 @@ use crate::spline::{SurfaceSamples, TSpline};
 /// around it can, and follow.
 const AT_ZERO: f64 = 20.0;
 
-/// Weight of a vertex at the boundary, which has neighbours on one side only: with it errors there fall by a
-/// fifth to three fifths on scans, and elsewhere they stay.
+/// Weight of a vertex at the boundary, which has neighbours on one side only: on scans it takes a twentieth to
+/// three fifths off the errors there, and leaves those elsewhere.
 const AT_BOUNDARY: f64 = 4.0;
 
 /// A T-spline, the mesh that it approximates, and how the one lies over the other.

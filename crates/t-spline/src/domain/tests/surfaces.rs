@@ -19,6 +19,7 @@ const PLAIN: SnapOptions = SnapOptions {
     thin: 0.0,
     sliver: 0.0,
     twist: 0.0,
+    hole: 0.0,
 };
 
 fn cut(mesh: &TriangleMesh, poles: &[u32], snap: SnapOptions) -> Domain {
