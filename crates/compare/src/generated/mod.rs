@@ -195,7 +195,7 @@ impl FromStr for GeneratedSurface {
 /// No surface of this name can be generated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no surface `{name}`; there are bumpy-sphere (also -500, -5k, -100k, -1m, -irregular), torus (also -500), torus-knot, genus-2 (also -2k, -500), genus-3, genus-8, sphere, vase, nut, plate and hill"
+    "no surface `{name}`; there are bumpy-sphere (also -500, -5k, -100k, -1m, -irregular), torus (also -500), torus-knot, genus-2 (also -2k, -500), genus-3, genus-8, sphere, vase, bowl, pants, holed-torus, nut, plate and hill"
 )]
 pub struct UnknownSurface {
     /// The name.
