@@ -110,10 +110,12 @@ impl CylinderComplex {
     #[must_use]
     pub fn is_on_boundary(&self, point: Point) -> bool {
         let height = self.cylinders[point.cylinder as usize].height as f64;
-        let border = match point.y {
-            y if y == 0.0 => Border::Bottom,
-            y if y == height => Border::Top,
-            _ => return false,
+        let border = if point.y == 0.0 {
+            Border::Bottom
+        } else if point.y == height {
+            Border::Top
+        } else {
+            return false;
         };
         let segment = self.segment(point.cylinder, border, point.x as i64);
         matches!(segment.beyond, Beyond::Boundary { .. })

@@ -92,186 +92,125 @@ fn a_loop_must_lie_on_one_level() {
     );
 }
 
-/// What is refused of a surface and its poles.
-fn refusal(mesh: &TriangleMesh, poles: &[u32]) -> DomainError {
+/// Checks which variant of the error a surface and its poles meet, and that it says where and what to do.
+fn refuses(mesh: &TriangleMesh, poles: &[u32], variant: &str, [place, remedy]: [&str; 2]) {
     let options = DomainOptions {
         poles: poles.to_vec(),
         ..DomainOptions::default()
     };
-    Domain::of_surface(mesh, &options, &mut unobserved()).expect_err("refused")
+    let error = Domain::of_surface(mesh, &options, &mut unobserved()).expect_err("refused");
+    assert!(format!("{error:?}").contains(variant), "{error:?}");
+    let text = error.to_string();
+    assert!(text.contains(place) && text.contains(remedy), "{text}");
 }
 
-fn mesh(positions: &[[f64; 3]], faces: &[[u32; 3]]) -> TriangleMesh {
-    let positions = positions.iter().map(|&p| p.into()).collect();
-    TriangleMesh::build(positions, faces.to_vec()).expect("a mesh")
+/// The first of four corners of a cube, and faces between them.
+fn few(count: usize, faces: &[[u32; 3]]) -> TriangleMesh {
+    let corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
+    let corners = corners.map(|c| c.map(f64::from).into());
+    TriangleMesh::build(corners[..count].to_vec(), faces.to_vec()).expect("a mesh")
 }
 
-/// Case, surface, poles, the variant of the error, and words of it: where, and what to do.
-type Case<'a> = (
-    &'a str,
-    &'a TriangleMesh,
-    &'a [u32],
-    &'a str,
-    &'a str,
-    &'a str,
-);
+/// A surface twice, side by side.
+fn twice(mesh: &TriangleMesh) -> TriangleMesh {
+    let count = mesh.vertex_count() as u32;
+    let moved = mesh.positions().iter().map(|p| p + Vector3::x() * 3.0);
+    let others = mesh.faces().iter().map(|c| c.map(|v| v + count));
+    let positions = mesh.positions().iter().copied().chain(moved);
+    let faces = mesh.faces().iter().copied().chain(others);
+    TriangleMesh::build(positions.collect(), faces.collect()).expect("two")
+}
 
 #[test]
-fn bad_surfaces_and_poles_are_refused_by_name() {
-    let corners = [
-        [0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-    ];
-    let triangle = mesh(&corners[..3], &[[0, 1, 2]]);
-    let square = mesh(&corners, &[[0, 1, 2], [0, 2, 3]]);
-    let pyramid = mesh(&corners, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
-    let disk = shapes::height_field(100);
-    let sphere = shapes::sphere(300);
-    let two = {
-        let (positions, faces) = (sphere.positions(), sphere.faces());
-        let count = positions.len() as u32;
-        let moved = positions.iter().map(|p| p + Vector3::new(3.0, 0.0, 0.0));
-        let others = faces.iter().map(|c| c.map(|v| v + count));
-        let all = positions.iter().copied().chain(moved).collect();
-        TriangleMesh::build(all, faces.iter().copied().chain(others).collect()).expect("two")
-    };
-    let broken = {
-        let mut positions = disk.positions().to_vec();
-        positions[37].y = f64::NAN;
-        disk.with_positions(positions)
-    };
-    let inner = 44;
-    let neighbour = disk
-        .topology()
-        .neighbours(inner)
-        .next()
-        .expect("a neighbour");
+fn bad_surfaces_are_refused_by_name() {
+    let [sphere, disk] = [shapes::sphere(300), shapes::height_field(100)];
+    let mut positions = disk.positions().to_vec();
+    positions[37].y = f64::NAN;
+    let broken = disk.with_positions(positions);
+    let triangle = few(3, &[[0, 1, 2]]);
+    let square = few(4, &[[0, 1, 2], [0, 2, 3]]);
+    let pyramid = few(4, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+    refuses(
+        &twice(&sphere),
+        &[],
+        "NotConnected",
+        ["2 components", "keep one"],
+    );
+    refuses(
+        &twice(&disk),
+        &[44],
+        "NotConnected",
+        ["2 components", "keep one"],
+    );
+    refuses(&broken, &[], "NotFinite", ["vertex 37", "repair"]);
+    refuses(&triangle, &[], "NoRoom", ["3 vertices", "refine the mesh"]);
+    refuses(&square, &[], "NoRoom", ["4 vertices", "refine the mesh"]);
+    refuses(&pyramid, &[], "Kind", ["genus 0", "name vertices"]);
+    refuses(
+        &pyramid,
+        &[0, 1],
+        "StarsTouch",
+        ["vertices 0 and 1", "three edges apart"],
+    );
+    refuses(&sphere, &[], "Kind", ["0 boundary loops", "name vertices"]);
+    refuses(
+        &sphere,
+        &[9],
+        "Kind",
+        ["1 boundary loops", "until there are two"],
+    );
+}
+
+#[test]
+fn bad_poles_are_refused_by_name() {
+    let [sphere, disk] = [shapes::sphere(300), shapes::height_field(100)];
+    let beside = disk.topology().neighbours(44).next().expect("a neighbour");
+    refuses(
+        &disk,
+        &[3],
+        "OnBoundary",
+        ["star of vertex 3", "farther inside"],
+    );
+    refuses(
+        &disk,
+        &[11],
+        "OnBoundary",
+        ["star of vertex 11", "farther inside"],
+    );
+    refuses(
+        &disk,
+        &[44, beside],
+        "StarsTouch",
+        ["share vertex", "three edges apart"],
+    );
+    refuses(
+        &disk,
+        &[44, 5000],
+        "NoSuchVertex",
+        ["vertex 5000", "numbered from 0"],
+    );
+    refuses(
+        &sphere,
+        &[7, 90, 7],
+        "SamePole",
+        ["vertex 7 is named twice", "once"],
+    );
     let holed = shapes::holed_torus(400);
-    let cases: [Case<'_>; 14] = [
-        (
-            "two components",
-            &two,
-            &[],
-            "NotConnected",
-            "2 components",
-            "keep one",
-        ),
-        (
-            "no coordinate",
-            &broken,
-            &[],
-            "NotFinite",
-            "vertex 37",
-            "repair",
-        ),
-        (
-            "a triangle",
-            &triangle,
-            &[],
-            "NoRoom",
-            "3 vertices",
-            "refine the mesh",
-        ),
-        (
-            "4 vertices, open",
-            &square,
-            &[],
-            "NoRoom",
-            "4 vertices",
-            "refine the mesh",
-        ),
-        (
-            "4 vertices, closed",
-            &pyramid,
-            &[],
-            "Kind",
-            "genus 0",
-            "name vertices",
-        ),
-        (
-            "4 vertices, two poles",
-            &pyramid,
-            &[0, 1],
-            "StarsTouch",
-            "vertices 0 and 1",
-            "three edges apart",
-        ),
-        (
-            "a sphere without poles",
-            &sphere,
-            &[],
-            "Kind",
-            "0 boundary loops",
-            "name vertices",
-        ),
-        (
-            "a sphere with one pole",
-            &sphere,
-            &[9],
-            "Kind",
-            "1 boundary loops",
-            "until there are two",
-        ),
-        (
-            "a pole at the boundary",
-            &disk,
-            &[3],
-            "OnBoundary",
-            "star of vertex 3",
-            "farther inside",
-        ),
-        (
-            "a pole beside the boundary",
-            &disk,
-            &[11],
-            "OnBoundary",
-            "star of vertex 11",
-            "farther inside",
-        ),
-        (
-            "the same pole twice",
-            &sphere,
-            &[7, 90, 7],
-            "SamePole",
-            "vertex 7 is named twice",
-            "once",
-        ),
-        (
-            "poles beside each other",
-            &disk,
-            &[inner, neighbour],
-            "StarsTouch",
-            "share vertex",
-            "three edges",
-        ),
-        (
-            "no such vertex",
-            &disk,
-            &[inner, 5000],
-            "NoSuchVertex",
-            "vertex 5000",
-            "numbered from 0",
-        ),
-        (
-            "a hole and no such vertex",
-            &holed,
-            &[9999],
-            "NoSuchVertex",
-            "vertex 9999",
-            "numbered from 0",
-        ),
-    ];
-    for (case, mesh, poles, variant, place, remedy) in cases {
-        let error = refusal(mesh, poles);
-        assert!(format!("{error:?}").contains(variant), "{case}: {error:?}");
-        let text = error.to_string();
-        assert!(
-            text.contains(place) && text.contains(remedy),
-            "{case}: {text}"
-        );
-    }
+    let rim = holed.topology().boundary_loops()[0][0];
+    let rim = holed.topology().origin(rim);
+    // Its hole is closed, which does not hide that the pole lies on its rim.
+    refuses(
+        &holed,
+        &[rim],
+        "OnBoundary",
+        ["touches the boundary", "farther inside"],
+    );
+    refuses(
+        &holed,
+        &[9999],
+        "NoSuchVertex",
+        ["vertex 9999", "numbered from 0"],
+    );
 }
 
 #[test]
