@@ -25,6 +25,9 @@ pub struct SurfaceParts {
     pub snap: SnapOptions,
     /// The vertex of the input that each vertex of the mesh is; nothing for added ones.
     pub origins: Vec<Option<u32>>,
+    /// The faces of the mesh that close holes, in order: they are no part of the surface.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outside: Vec<u32>,
     /// How far each vertex has moved, in units.
     pub shifts: Vec<[f64; 2]>,
     /// The base grid of each cylinder.
@@ -70,7 +73,7 @@ pub enum PartsError {
         /// How many there should be.
         needed: usize,
     },
-    /// A number that is not finite, or a radius that is not positive.
+    /// A number that is not finite, a radius that is not positive, or a face out of order.
     #[error("number {index} of the {what} is not finite, or out of range")]
     Number {
         /// Which numbers.
@@ -92,6 +95,7 @@ impl TSplineSurface {
             ends: domain.ends().to_vec(),
             snap: *domain.snap(),
             origins: domain.origins().to_vec(),
+            outside: domain.outside().to_vec(),
             shifts: self.shifts().to_vec(),
             grids: space.mesh().grids().to_vec(),
             splits: space.mesh().splits().to_vec(),
@@ -115,12 +119,15 @@ impl TSplineSurface {
         let vertices = mesh.vertex_count();
         check_count("origins", parts.origins.len(), vertices)?;
         check_count("shifts", parts.shifts.len(), vertices)?;
+        check_outside(&parts.outside, mesh.face_count())?;
         let given = PeriodicForm {
             mesh,
             form: parts.form.clone(),
             ends: parts.ends.clone(),
         };
-        let domain = Domain::of_form(&given, &parts.snap)?.with_origins(parts.origins.clone());
+        let domain = Domain::of_form(&given, &parts.snap)?
+            .with_origins(parts.origins.clone())
+            .with_outside(parts.outside.clone());
         let mut tmesh = TMesh::build(&Arc::new(domain.complex().clone()), &parts.grids)?;
         for (index, &(leaf, axis)) in parts.splits.iter().enumerate() {
             if leaf as usize >= tmesh.leaves().len() || !tmesh.split(leaf, axis) {
@@ -151,6 +158,15 @@ fn check_count(what: &'static str, given: usize, needed: usize) -> Result<(), Pa
         what,
         given,
         needed,
+    })
+}
+
+fn check_outside(outside: &[u32], faces: usize) -> Result<(), PartsError> {
+    let is_wrong =
+        |&i: &usize| outside[i] as usize >= faces || i > 0 && outside[i] <= outside[i - 1];
+    (0..outside.len()).find(is_wrong).map_or(Ok(()), |index| {
+        let what = "faces outside";
+        Err(PartsError::Number { what, index })
     })
 }
 

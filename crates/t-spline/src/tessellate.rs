@@ -2,7 +2,7 @@
 
 use msplines_common::Point3;
 use msplines_common::evaluate::Order;
-use msplines_common::mesh::{Lattice, SurfacePoint, Topology, TopologyError};
+use msplines_common::mesh::{Lattice, NONE, SurfacePoint, Topology, TopologyError};
 use rayon::prelude::*;
 
 use crate::complex::Point;
@@ -18,9 +18,28 @@ pub struct Tessellation {
     pub faces: Vec<[u32; 3]>,
 }
 
+impl Tessellation {
+    /// Leaves out faces, and the points that no other face has.
+    fn without(self, is_out: impl Fn(usize) -> bool) -> Self {
+        let faces = self.faces.into_iter().enumerate();
+        let faces: Vec<[u32; 3]> = faces.filter(|&(f, _)| !is_out(f)).map(|(_, c)| c).collect();
+        let mut names = vec![NONE; self.positions.len()];
+        faces.iter().flatten().for_each(|&v| names[v as usize] = v);
+        let mut positions = Vec::new();
+        for name in names.iter_mut().filter(|name| **name != NONE) {
+            positions.push(self.positions[*name as usize]);
+            *name = positions.len() as u32 - 1;
+        }
+        Self {
+            positions,
+            faces: faces.iter().map(|c| c.map(|v| names[v as usize])).collect(),
+        }
+    }
+}
+
 impl TSplineSurface {
     /// Returns the surface over `segments²` triangles per face of the mesh, and as many per edge around a
-    /// pole, watertight.
+    /// pole, watertight. Holes that were closed stay open.
     ///
     /// # Errors
     /// A mesh that poles do not close.
@@ -36,10 +55,16 @@ impl TSplineSurface {
             None => self.place_around(&closed, point),
         };
         let points: Vec<Point> = lattice.points.par_iter().enumerate().map(place).collect();
-        Ok(Tessellation {
+        let whole = Tessellation {
             positions: self.spline().evaluate(&points, Order::Value).positions,
             faces: lattice.faces(closed.topology.face_count() as u32),
-        })
+        };
+        let outside = self.domain().outside();
+        if outside.is_empty() {
+            return Ok(whole);
+        }
+        let per_face = (segments * segments) as usize;
+        Ok(whole.without(|face| outside.binary_search(&((face / per_face) as u32)).is_ok()))
     }
 
     /// Returns the mesh with a fan of faces around every pole: rim, and then the centre.

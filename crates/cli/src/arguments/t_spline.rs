@@ -27,7 +27,7 @@ pub(crate) struct TSpline {
     pub(crate) correction: Toggle,
     /// Vertices, counted from 0, whose stars are removed and closed by caps; `auto` for as many at
     /// the protrusions of a closed surface as make its form more even. Surfaces of genus 0 need two such or
-    /// boundary loops; the farthest from each other where absent.
+    /// long boundary loops; the farthest from each other where absent. Short loops are closed.
     #[arg(long, value_name = "V,...|auto", allow_hyphen_values = true)]
     pub(crate) puncture: Option<Puncture>,
     /// Weight of the thin plate, relative to that of the vertices.

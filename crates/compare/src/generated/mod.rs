@@ -60,6 +60,12 @@ pub enum GeneratedSurface {
     Sphere,
     /// A fluted vase, open at both ends, of about 5,000 vertices.
     Vase,
+    /// The lower half of a unit sphere, of about 5,000 vertices.
+    Bowl,
+    /// A pair of pants over an ellipse, of about 5,000 vertices: three boundary loops.
+    Pants,
+    /// A torus without a disk, of about 5,000 vertices: genus 1, one boundary loop.
+    HoledTorus,
     /// A hexagonal nut with a collar, about 8,000 vertices: sharp edges and corners.
     Nut,
     /// A torus of about 500 vertices.
@@ -79,7 +85,7 @@ pub enum GeneratedSurface {
 
 impl GeneratedSurface {
     /// All of them.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 22] = [
         Self::BumpySphere,
         Self::BumpySphere5k,
         Self::BumpySphere500,
@@ -99,6 +105,9 @@ impl GeneratedSurface {
         Self::Genus2Small,
         Self::Plate,
         Self::Hill,
+        Self::Bowl,
+        Self::Pants,
+        Self::HoledTorus,
     ];
 
     /// Returns the name in experiments and records.
@@ -118,6 +127,9 @@ impl GeneratedSurface {
             Self::Genus8 => "genus-8",
             Self::Sphere => "sphere",
             Self::Vase => "vase",
+            Self::Bowl => "bowl",
+            Self::Pants => "pants",
+            Self::HoledTorus => "holed-torus",
             Self::Nut => "nut",
             Self::Torus500 => "torus-500",
             Self::Genus2Coarse => "genus-2-2k",
@@ -144,6 +156,9 @@ impl GeneratedSurface {
             Self::Genus8 => shapes::genus(8, VERTICES),
             Self::Sphere => shapes::sphere(5_000),
             Self::Vase => shapes::vase(5_000),
+            Self::Bowl => shapes::bowl(5_000),
+            Self::Pants => shapes::pants(5_000),
+            Self::HoledTorus => shapes::holed_torus(5_000),
             Self::Nut => shapes::nut(8_000),
             Self::Torus500 => shapes::torus(1.0, 0.4, 500),
             Self::Genus2Coarse => shapes::genus(2, 2_500),
@@ -180,7 +195,7 @@ impl FromStr for GeneratedSurface {
 /// No surface of this name can be generated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no surface `{name}`; there are bumpy-sphere (also -500, -5k, -100k, -1m, -irregular), torus (also -500), torus-knot, genus-2 (also -2k, -500), genus-3, genus-8, sphere, vase, nut, plate and hill"
+    "no surface `{name}`; there are bumpy-sphere (also -500, -5k, -100k, -1m, -irregular), torus (also -500), torus-knot, genus-2 (also -2k, -500), genus-3, genus-8, sphere, vase, bowl, pants, holed-torus, nut, plate and hill"
 )]
 pub struct UnknownSurface {
     /// The name.

@@ -103,6 +103,24 @@ impl CylinderComplex {
         })
     }
 
+    /// Returns whether a point lies exactly on a border where the surface ends.
+    ///
+    /// # Panics
+    /// If there is no such cylinder.
+    #[must_use]
+    pub fn is_on_boundary(&self, point: Point) -> bool {
+        let height = self.cylinders[point.cylinder as usize].height as f64;
+        let border = if point.y == 0.0 {
+            Border::Bottom
+        } else if point.y == height {
+            Border::Top
+        } else {
+            return false;
+        };
+        let segment = self.segment(point.cylinder, border, point.x as i64);
+        matches!(segment.beyond, Beyond::Boundary { .. })
+    }
+
     /// Returns where one comes from a point straight on by `(dx, dy)`, and what stopped the way before
     /// its end. It is the same way whatever borders it crosses; at a zero, ways part.
     ///

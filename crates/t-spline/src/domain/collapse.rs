@@ -25,6 +25,9 @@ pub struct SnapOptions {
     /// Distance in `u` of a zero on the top from one on the bottom below which the cylinder is twisted
     /// so that it vanishes; a cylinder is never sheared by more than a quarter.
     pub twist: f64,
+    /// Length of a boundary loop below which its hole is closed, here as a share of the root of the area of the
+    /// surface: half of it is the rim of a disk of a fiftieth of the area.
+    pub hole: f64,
 }
 
 /// Largest turn of a top over the height.
@@ -36,6 +39,7 @@ impl Default for SnapOptions {
             thin: 0.01,
             sliver: 0.01,
             twist: 0.01,
+            hole: 0.5,
         }
     }
 }

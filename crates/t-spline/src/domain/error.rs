@@ -46,6 +46,26 @@ pub enum DomainError {
         /// Number of boundary loops and poles.
         loops: usize,
     },
+    /// A vertex that is no point.
+    #[error("vertex {vertex} has a coordinate that is not finite; repair the mesh")]
+    NotFinite {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// A vertex that is named twice as a pole.
+    #[error("vertex {vertex} is named twice as a pole; name it once")]
+    SamePole {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// A mesh without a vertex whose star could be a pole.
+    #[error(
+        "the surface needs a pole, and none of its {vertices} vertices lies two edges away from the boundary and three from other poles; refine the mesh"
+    )]
+    NoRoom {
+        /// Vertices of the mesh.
+        vertices: usize,
+    },
     /// The imaginary part is not constant along a boundary loop.
     #[error(
         "the imaginary part of the form changes by {change:e} along boundary loop {boundary}; it must be constant on every loop"

@@ -14,11 +14,14 @@
 //! [He2006] §3.2. Deviation: levels are compared in whole numbers and near ones made equal afterwards;
 //! lengths along trajectories are rounded as a flow.
 
+mod apart;
 mod class;
 mod collapse;
 mod cylinders;
 mod error;
+mod extent;
 mod form;
+mod holes;
 mod levels;
 mod place;
 mod poled;
@@ -105,6 +108,8 @@ pub struct DomainReport {
     pub genus: u32,
     /// Number of boundary loops and poles.
     pub ends: usize,
+    /// Number of boundary loops whose holes were closed: these are no ends.
+    pub closed_holes: usize,
     /// Number of zeros, counted by order.
     pub zeros: u32,
     /// Number of cylinders before any was collapsed.
@@ -138,6 +143,7 @@ pub struct Domain {
     zeros: Vec<DomainZero>,
     ends: Vec<End>,
     origins: Vec<Option<u32>>,
+    outside: Vec<u32>,
     form: Vec<[f64; 2]>,
     snap: SnapOptions,
     report: DomainReport,
@@ -172,6 +178,7 @@ impl Domain {
         let report = DomainReport {
             genus: facts.genus.unwrap_or(0),
             ends: given.ends.len(),
+            closed_holes: 0,
             zeros: zeros.iter().map(|zero| zero.order).sum(),
             cylinders: real.cylinders.len(),
             collapsed: snapped.collapsed.iter().flatten().count(),
@@ -188,6 +195,7 @@ impl Domain {
             complex,
             charts: real.charts,
             origins: (0..given.mesh.vertex_count() as u32).map(Some).collect(),
+            outside: Vec::new(),
             sheets,
             zeros,
             ends: given.ends.clone(),

@@ -12,13 +12,8 @@ use super::form::{End, PeriodicForm};
 use super::{Domain, DomainOptions};
 
 impl Domain {
-    /// Cuts a connected surface into cylinders: a closed one of genus >= 1, or one of any genus with two
-    /// or more boundary loops and poles. Cost: the forms of the surface, and O(n) for each zero.
-    /// `observer` sees the phase `domain`.
-    ///
-    /// # Errors
-    /// A surface of another kind; what the forms refuse, a stop among it; and as [`Self::of_form`].
-    pub fn of_surface(
+    /// Cuts a surface all of whose boundary loops are ends.
+    pub(super) fn of_ends(
         mesh: &TriangleMesh,
         options: &DomainOptions,
         observer: &mut Observer<'_>,

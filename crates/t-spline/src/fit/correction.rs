@@ -2,12 +2,13 @@
 //!
 //! # Notation
 //! `r = p - F`, `J = (F_x, F_y)`; a step `δ` of Gauss and Newton solves `Jᵀ J δ = Jᵀ r`. No step is longer
-//! than half a leaf, and none is taken that leads further away.
+//! than half a leaf, and none is taken that leads further away. On a boundary `F_y` counts as 0.
 //!
 //! # Reference
 //! [Hoschek1988], the correction of parameters. Deviation from [He2006], which has none: its errors are
 //! measured at fixed parameters.
 
+use msplines_common::Vector3;
 use msplines_common::evaluate::Order;
 use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
@@ -37,9 +38,15 @@ pub(super) fn correct(spline: &TSpline, sorted: &mut Sorted, rows: &Rows) -> f64
             let leaf = mesh.leaves()[mesh.leaf_of(sample.at) as usize];
             let [x, y] = here.first[i];
             let residual = sample.position - here.positions[i];
+            // Samples of a boundary stay on it, so that the surface ends where they do.
+            let across = if complex.is_on_boundary(sample.at) {
+                Vector3::zeros()
+            } else {
+                y
+            };
             let step = step(
-                [x.dot(&x), x.dot(&y), y.dot(&y)],
-                [x.dot(&residual), y.dot(&residual)],
+                [x.dot(&x), x.dot(&across), across.dot(&across)],
+                [x.dot(&residual), across.dot(&residual)],
             );
             let longest = leaf.size().map(|s| 0.5 * s as f64 / UNITS);
             let excess = (step.x.abs() / longest[0]).max(step.y.abs() / longest[1]);

@@ -101,7 +101,7 @@ pub(super) fn periodic_grid(
 
 /// Returns the mesh of points at `counts` parameters in [0, 1]², in rows; a periodic direction
 /// leaves out the parameter 1.
-fn grid(
+pub(super) fn grid(
     counts: [u32; 2],
     periodic: [bool; 2],
     place: impl Fn(f64, f64) -> Point3<f64>,

@@ -4,6 +4,7 @@
 //! give the same mesh. Closed surfaces have their normals outwards.
 
 mod control;
+mod cut;
 mod grid;
 mod implicit;
 mod networks;
@@ -13,6 +14,7 @@ mod sketches;
 mod solids;
 
 pub use control::{box_surface, jittered, quad_patch, slab_with_holes, trapezohedron, voxels};
+pub use cut::{bowl, holed_torus, pants};
 pub use grid::{cylinder, height_field, torus, torus_knot, vase};
 pub use implicit::genus;
 pub use networks::{KnownNetwork, limit_network};

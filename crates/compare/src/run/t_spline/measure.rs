@@ -14,6 +14,7 @@ use rand_pcg::Pcg64Mcg;
 use serde_json::{Value, json};
 
 use super::tessellation;
+use super::write::AtVertices;
 use crate::error::RunError;
 use crate::measure::{Tessellated, settled_distance};
 
@@ -36,6 +37,7 @@ pub(super) fn surface(surface: &TSplineSurface, seed: u64) -> BTreeMap<String, V
         ("poles", json!(poles)),
         ("extraordinary_points", json!(domain.zeros().len() + poles)),
         ("cylinders", json!(domain.complex().cylinders().len())),
+        ("closed_holes", json!(report.closed_holes)),
         ("collapsed", json!(report.collapsed)),
         ("thin", json!(report.thin)),
         ("straightened", json!(report.straightened)),
@@ -49,6 +51,38 @@ pub(super) fn surface(surface: &TSplineSurface, seed: u64) -> BTreeMap<String, V
         ("unity_max", json!(unity_max(space, &points))),
         ("basis_sum_min", json!(basis_sum_min(space, &points))),
         ("samples", json!(points.len())),
+    ];
+    named.map(|(name, value)| (name.to_owned(), value)).into()
+}
+
+/// Returns the errors at the boundary of a mesh over the longest side of its bounding box, and how many faces
+/// there are turned over; nothing of a closed one.
+pub(super) fn boundary(mesh: &TriangleMesh, at_vertices: &AtVertices) -> BTreeMap<String, Value> {
+    let topology = mesh.topology();
+    let [low, high] = mesh.bounding_box();
+    let found = at_vertices.mesh.positions();
+    let known = at_vertices.known.iter().copied();
+    let squares: Vec<f64> = known
+        .filter(|&v| topology.is_boundary_vertex(v))
+        .map(|v| (found[v as usize] - mesh.positions()[v as usize]).norm_squared())
+        .collect();
+    if squares.is_empty() {
+        return BTreeMap::new();
+    }
+    let side = (high - low).max();
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    let max = squares.iter().copied().fold(0.0, f64::max);
+    let is_turned = |face: &u32| {
+        let [given, now] = [mesh, &at_vertices.mesh].map(|mesh| mesh.face_normal(*face));
+        let corners = mesh.faces()[*face as usize];
+        corners.iter().any(|&v| topology.is_boundary_vertex(v)) && given.dot(&now) <= 0.0
+    };
+    let turned = (0..mesh.face_count() as u32).filter(is_turned).count();
+    let named = [
+        ("boundary_vertices", json!(squares.len())),
+        ("boundary_rms_unit_cube", json!(mean.sqrt() / side)),
+        ("boundary_max_unit_cube", json!(max.sqrt() / side)),
+        ("boundary_faces_turned", json!(turned)),
     ];
     named.map(|(name, value)| (name.to_owned(), value)).into()
 }

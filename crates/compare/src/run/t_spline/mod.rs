@@ -26,7 +26,7 @@ use crate::fit::following;
 use crate::input::{LoadedInput, load};
 use crate::record::Record;
 use crate::spline_file::{SplineFile, StoredSpline, StoredTSpline};
-use poles::Poles;
+use poles::{Poles, Wanted};
 use write::{AtVertices, Written};
 
 pub(super) use evaluate::evaluate;
@@ -46,11 +46,12 @@ pub(super) fn run(
     check(case, method)?;
     let input = prepared(load(&case.input, clock)?, case)?;
     enter("domain", clock, observer);
-    let poles = {
+    let wanted = {
         let mut timed = following(&["domain"], clock, observer);
-        Poles::of(&input.mesh, &method.puncture, &mut timed)?
+        Wanted::of(&input.mesh, &method.puncture, &mut timed)?
     };
-    let domain = domain(case, method, &input, &poles.vertices, clock, observer)?;
+    let domain = domain(case, method, &input, &wanted.vertices, clock, observer)?;
+    let poles = Poles::of(&domain, &wanted);
     enter("fit", clock, observer);
     let fit = fitted(&domain, method, &input, clock, observer)?;
     let report = fit.report;
@@ -73,8 +74,11 @@ pub(super) fn run(
     errors(&mut record, &input, &at_vertices);
     record.outcome = report.outcome;
     record.warnings.extend(input.warnings.iter().cloned());
-    record.warnings.extend(poles.warning);
+    record.warnings.extend(poles.warnings);
     record.checks.extend(measure::surface(&surface, case.seed));
+    record
+        .checks
+        .extend(measure::boundary(&input.mesh, &at_vertices));
     record.check("rounds", report.rounds);
     record.check("levels", levels.len());
     let meshes = [&input.mesh, &at_vertices.mesh];

@@ -1,4 +1,5 @@
-//! Poles of surfaces: those that are given, those at protrusions, and those that a surface needs.
+//! Poles of surfaces: those that are given, those at protrusions, those that a surface needs, and what is
+//! said of ends that were chosen.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -6,21 +7,23 @@ use std::collections::BinaryHeap;
 use msplines_common::mesh::{Facts, TriangleMesh};
 use msplines_common::progress::Observer;
 use msplines_conformal::poles::{ProtrusionOptions, Protrusions};
+use msplines_t_spline::Domain;
 use msplines_t_spline::domain::DomainError;
 
 use crate::case::{NamedPuncture, Puncture};
 use crate::error::{RunError, TSplineError};
 
-/// Poles of a surface.
-pub(super) struct Poles {
+/// Poles that are asked for.
+pub(super) struct Wanted {
     pub(super) vertices: Vec<u32>,
-    /// What is to be said of them.
-    pub(super) warning: Option<String>,
+    /// How they were found; nothing if they were given.
+    found: Option<&'static str>,
 }
 
-impl Poles {
-    /// Returns the poles that are given or found at protrusions; where none are asked for, as many as the
-    /// surface needs, far from each other and from the boundary along edges.
+impl Wanted {
+    /// Returns the poles that are given or found at protrusions; where none are asked for, as many as a
+    /// closed surface needs, far from each other along edges. Those of surfaces with boundary are chosen
+    /// with their cylinders.
     ///
     /// # Errors
     /// A vertex that the mesh does not have; a surface of several parts; the observer asks to stop.
@@ -36,7 +39,7 @@ impl Poles {
             Puncture::Named(NamedPuncture::Auto) => Some(ProtrusionOptions::default()),
             Puncture::Protrusions(options) => Some(*options),
         };
-        let (chosen, said) = match (facts.genus, facts.boundary_loops, automatic) {
+        let (vertices, found) = match (facts.genus, facts.boundary_loops, automatic) {
             (_, 0, Some(options)) => {
                 let found = Protrusions::of(mesh, &options, observer);
                 let found = found.map_err(DomainError::from);
@@ -46,28 +49,12 @@ impl Poles {
             (Some(0), 0, None) => {
                 // The end of a longest path: twice there and back, as in a tree.
                 let first = farthest(mesh, &[0]);
-                let chosen = vec![farthest(mesh, &[first]), first];
-                (chosen, "chosen, far from each other")
+                (vec![farthest(mesh, &[first]), first], FAR)
             }
-            (_, 1, _) => {
-                let boundary = mesh.topology().boundary_loops().concat();
-                let rim: Vec<u32> = boundary
-                    .iter()
-                    .map(|&h| mesh.topology().origin(h))
-                    .collect();
-                (vec![farthest(mesh, &rim)], "chosen, far from the boundary")
-            }
-            _ => (Vec::new(), ""),
+            _ => (Vec::new(), FAR),
         };
-        let listed: Vec<String> = chosen.iter().map(u32::to_string).collect();
-        let warning = (!chosen.is_empty()).then(|| {
-            let listed = listed.join(",");
-            format!("poles: vertices {listed} were {said}; choose others with --puncture")
-        });
-        Ok(Self {
-            vertices: chosen,
-            warning,
-        })
+        let found = Some(found);
+        Ok(Self { vertices, found })
     }
 
     fn given(mesh: &TriangleMesh, given: &[u32]) -> Result<Self, RunError> {
@@ -76,9 +63,44 @@ impl Poles {
             Some(&vertex) => Err(TSplineError::NoSuchVertex { vertex, vertices }.into()),
             None => Ok(Self {
                 vertices: given.to_vec(),
-                warning: None,
+                found: None,
             }),
         }
+    }
+}
+
+/// What is said of poles that nobody named.
+const FAR: &str = "chosen, far from each other and from boundaries";
+
+/// Poles of a surface.
+pub(super) struct Poles {
+    pub(super) vertices: Vec<u32>,
+    /// What is to be said of them.
+    pub(super) warnings: Vec<String>,
+}
+
+impl Poles {
+    /// Returns the poles of a domain, and says which were not named and how many holes were closed.
+    pub(super) fn of(domain: &Domain, wanted: &Wanted) -> Self {
+        let vertices: Vec<u32> = domain.poles().iter().map(|pole| pole.vertex).collect();
+        let mut warnings = Vec::new();
+        let is_named = |vertex: &&u32| wanted.found.is_none() && wanted.vertices.contains(vertex);
+        let chosen = vertices.iter().filter(|vertex| !is_named(vertex));
+        let listed: Vec<String> = chosen.map(u32::to_string).collect();
+        if !listed.is_empty() {
+            warnings.push(format!(
+                "poles: vertices {} were {}; choose others with --puncture",
+                listed.join(","),
+                wanted.found.unwrap_or(FAR)
+            ));
+        }
+        let holes = domain.report().closed_holes;
+        if holes > 0 {
+            warnings.push(format!(
+                "{holes} boundary loops are no ends of cylinders: the spline goes on over their holes, which files of triangles leave open"
+            ));
+        }
+        Self { vertices, warnings }
     }
 }
 
@@ -124,31 +146,51 @@ fn farthest(mesh: &TriangleMesh, from: &[u32]) -> u32 {
 mod tests {
     use msplines_common::mesh::shapes;
     use msplines_common::progress::unobserved;
+    use msplines_t_spline::DomainOptions;
 
     use super::*;
 
-    fn poles(mesh: &TriangleMesh, given: &Puncture) -> Result<Poles, RunError> {
-        Poles::of(mesh, given, &mut unobserved())
+    fn wanted(mesh: &TriangleMesh, given: &Puncture) -> Result<Wanted, RunError> {
+        Wanted::of(mesh, given, &mut unobserved())
+    }
+
+    fn poles(mesh: &TriangleMesh, wanted: &Wanted) -> Poles {
+        let options = DomainOptions {
+            poles: wanted.vertices.clone(),
+            ..DomainOptions::default()
+        };
+        let domain = Domain::of_surface(mesh, &options, &mut unobserved());
+        Poles::of(&domain.expect("a domain"), wanted)
     }
 
     #[test]
-    fn poles_of_a_sphere_are_opposite_and_tori_need_none() {
+    fn poles_of_a_sphere_are_opposite_and_other_surfaces_are_left_alone() {
         let needed = Puncture::default();
         let sphere = shapes::sphere(400);
-        let found = poles(&sphere, &needed).expect("vertices").vertices;
+        let found = wanted(&sphere, &needed).expect("vertices").vertices;
         let [a, b] = [0, 1].map(|i| sphere.positions()[found[i] as usize].coords.normalize());
         // Along edges some detours are shorter than others.
         assert!(found.len() == 2 && a.dot(&b) < -0.8, "{a} {b}");
-        let torus = shapes::torus(1.0, 0.4, 400);
-        assert!(poles(&torus, &needed).expect("none").vertices.is_empty());
-        let auto = Puncture::Named(NamedPuncture::Auto);
-        let asked = poles(&torus, &auto).expect("some");
-        assert!(asked.vertices.len() >= 2);
-        assert!(asked.warning.expect("said").contains("protrusions"));
-        let sheet = poles(&shapes::height_field(225), &auto).expect("one");
-        assert_eq!(sheet.vertices.len(), 1);
-        assert!(sheet.warning.expect("said").contains("--puncture"));
+        for other in [shapes::torus(1.0, 0.4, 400), shapes::height_field(225)] {
+            let none = wanted(&other, &needed).expect("none");
+            assert!(none.vertices.is_empty());
+        }
         let missing = Puncture::Vertices(vec![4000]);
-        assert!(poles(&sphere, &missing).is_err());
+        assert!(wanted(&sphere, &missing).is_err());
+    }
+
+    #[test]
+    fn what_nobody_named_is_said() {
+        let auto = Puncture::Named(NamedPuncture::Auto);
+        let torus = shapes::torus(1.0, 0.4, 400);
+        let asked = wanted(&torus, &auto).expect("some");
+        assert!(asked.vertices.len() >= 2);
+        assert!(poles(&torus, &asked).warnings[0].contains("protrusions"));
+        let sheet = shapes::height_field(225);
+        let chosen = poles(&sheet, &wanted(&sheet, &auto).expect("none"));
+        assert_eq!(chosen.vertices.len(), 1);
+        assert!(chosen.warnings[0].contains("--puncture"));
+        let named = wanted(&sheet, &Puncture::Vertices(chosen.vertices)).expect("given");
+        assert!(poles(&sheet, &named).warnings.is_empty());
     }
 }

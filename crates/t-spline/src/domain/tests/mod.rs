@@ -1,6 +1,7 @@
 //! Domains of surfaces whose structure is known.
 
 mod flat;
+mod open;
 mod refusals;
 mod snapping;
 mod surfaces;

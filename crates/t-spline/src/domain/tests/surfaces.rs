@@ -19,6 +19,7 @@ const PLAIN: SnapOptions = SnapOptions {
     thin: 0.0,
     sliver: 0.0,
     twist: 0.0,
+    hole: 0.0,
 };
 
 fn cut(mesh: &TriangleMesh, poles: &[u32], snap: SnapOptions) -> Domain {
@@ -31,7 +32,7 @@ fn cut(mesh: &TriangleMesh, poles: &[u32], snap: SnapOptions) -> Domain {
 }
 
 /// Checks what holds on every domain.
-fn check(domain: &Domain) {
+pub(super) fn check(domain: &Domain) {
     let (jump, vertex) = (farthest_jump(domain), farthest_vertex(domain));
     assert!(
         jump < ROUNDING && vertex < ROUNDING,
