@@ -1,5 +1,6 @@
 //! Runs of T-splines: from a surface to cylinders, and to one spline over them that approximates it.
 
+mod edits;
 mod evaluate;
 mod measure;
 mod poles;
@@ -28,6 +29,7 @@ use crate::spline_file::{SplineFile, StoredSpline, StoredTSpline};
 use poles::Poles;
 use write::{AtVertices, Written};
 
+pub use edits::TSplineChanges;
 pub(super) use evaluate::evaluate;
 
 /// Most segments along a side of a face.
@@ -59,11 +61,11 @@ fn run(
     enter("fit", clock, observer);
     let fit = fitted(&domain, method, &input, clock, observer)?;
     let report = fit.report;
-    let levels = fit.levels.len();
     let vertices = domain.mesh().vertex_count();
     let shifts = fit.samples[..vertices].iter().map(|s| s.shift).collect();
     let surface = TSplineSurface::new(domain, shifts, fit.spline);
-    let stored = StoredTSpline::of(&surface, &method.fit.caps, &input.mesh);
+    let stored = StoredTSpline::of(&surface, &method.fit.caps, &fit.levels, &input.mesh);
+    let levels = stored.level_count();
     let file = SplineFile::new(
         super::domain(case, &input),
         options(case, method, &poles.vertices),
@@ -210,6 +212,7 @@ fn errors(record: &mut Record, input: &LoadedInput, at_vertices: &AtVertices) {
         let checks = &mut record.checks;
         checks.insert("rms_unit_cube".to_owned(), json!(error.rms));
         checks.insert("max_unit_cube".to_owned(), json!(error.max));
+        checks.insert("error_unit_cube".to_owned(), json!(error.max));
     }
     let unmeasured = input.mesh.vertex_count() - at_vertices.known.len();
     let checks = &mut record.checks;
@@ -225,7 +228,10 @@ fn distances(
     at_vertices: &AtVertices,
 ) -> Result<(), RunError> {
     if case.measure_distance {
-        record.distance = Some(measure::distance_to(surface, &input.mesh, case.seed)?);
+        let found = measure::distance_to(surface, &input.mesh, case.seed)?;
+        let checks = &mut record.checks;
+        checks.insert("hausdorff".to_owned(), json!(found.max));
+        record.distance = Some(found);
     }
     if let Some(path) = &case.reference {
         let mesh = &at_vertices.mesh;
