@@ -93,7 +93,7 @@ fn along(
         if form[first as usize].is_some() {
             continue;
         }
-        let mut settle = |half_edge: u32, value: [f64; 2], form: &mut Vec<Option<[f64; 2]>>| {
+        let settle = |half_edge: u32, value: [f64; 2], form: &mut Vec<Option<[f64; 2]>>| {
             form[half_edge as usize] = Some(value);
             let twin = topology.twin(half_edge);
             if twin != NONE {
