@@ -15,17 +15,14 @@ use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 
 use super::lines::{Circle, Crossing, around, circles, edges, junctions, rays};
-use crate::caps::CapKind;
+use crate::caps::core_of;
 use crate::complex::Point;
 use crate::spline::TSpline;
 
 /// Points from which the sizes of derivatives are known.
 const TYPICAL: usize = 10_000;
-/// Numbers that extrapolate a polynomial of degree 4 at 1, .., 5 to 0.
-const TO_ZERO: [f64; 5] = [5.0, -10.0, 10.0, -5.0, 1.0];
-/// `|z|` over the radius of a cap of a zero where its centre is approached, and `|w|` at a pole.
-const NEAR_ZERO: f64 = 1.0 / (1 << 24) as f64;
-const NEAR_POLE: f64 = 1e-3;
+/// How far from its centre a cap is looked at, over its core.
+const IN_CORE: f64 = 0.9;
 
 /// How many points are looked at, and which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -255,11 +252,7 @@ impl Measured<'_> {
         let mut found = Jumps::default();
         let space = self.spline.space();
         for cap in 0..space.caps().caps().len() as u32 {
-            let near = match space.caps().caps()[cap as usize].kind {
-                CapKind::Zero { order, .. } => NEAR_ZERO.powf(1.0 / f64::from(order + 1)),
-                CapKind::Pole { .. } => NEAR_POLE,
-            };
-            let limits = self.limits(cap, near, each, random);
+            let limits = self.limits(cap, each, random);
             let count = limits.len().max(1) as f64;
             let mean = limits
                 .iter()
@@ -275,15 +268,23 @@ impl Measured<'_> {
         found
     }
 
-    /// Limits of points and derivatives by `w` along rays to the centre of a cap.
-    fn limits(&self, cap: u32, near: f64, each: usize, random: &mut Pcg64Mcg) -> Vec<Limit> {
+    /// Limits of points and derivatives by `w` along rays to the centre of a cap. On them these are
+    /// polynomials of at most its degree, of which as many values and one give that at zero, whatever the
+    /// distance: near a zero coordinates have few digits.
+    fn limits(&self, cap: u32, each: usize, random: &mut Pcg64Mcg) -> Vec<Limit> {
         let space = self.spline.space();
+        let own = space.caps().caps()[cap as usize];
+        let nodes = usize::from(own.degree) + 1;
+        let near = IN_CORE * core_of(own.kind) / nodes as f64;
         let start = random.clone();
         let mut limits: Vec<Limit> = Vec::new();
-        for (k, factor) in TO_ZERO.into_iter().enumerate() {
+        // Binomial coefficients of alternating sign extrapolate from 1, .., n to 0.
+        let mut factor = -1.0;
+        for k in 1..=nodes {
+            factor *= -((nodes + 1 - k) as f64) / k as f64;
             // The same angles at every distance.
             *random = start.clone();
-            let size = near * (k + 1) as f64;
+            let size = near * k as f64;
             let places = around(space, cap, size, each, random).into_iter();
             let points: Vec<Point> = places.map(|(at, _)| at).collect();
             limits.resize(points.len(), Limit::default());

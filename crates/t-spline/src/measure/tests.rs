@@ -116,6 +116,7 @@ fn surfaces_are_smooth_over_every_line() {
             found.cap_c1_jump() < 1e-8 && found.cap_c2_jump() < 1e-8,
             "{found:?}"
         );
+        assert!(found.centres.c1() < 1e-11, "{found:?}");
         let looked = [
             found.edges,
             found.t_junctions,
@@ -128,6 +129,24 @@ fn surfaces_are_smooth_over_every_line() {
             zeros,
             found.borders.crossings > 0 && found.rays.crossings > 0
         );
+    }
+}
+
+#[test]
+fn caps_of_few_units_are_as_smooth() {
+    // Rounding of coordinates is a thousand times larger in such caps.
+    for complex in surfaces_with_zeros() {
+        let mut space = random_space(&complex, 20, 2);
+        for cap in 0..space.caps().caps().len() as u32 {
+            let radius = space.caps().caps()[cap as usize].limit;
+            space.caps_mut().set_radius(cap, 1e-3 * radius);
+        }
+        let mut numbers = Sequence(8);
+        let vector = |_| Vector3::from_fn(|_, _| numbers.unit() - 0.5);
+        let control = (0..space.unknowns()).map(vector).collect();
+        let spline = TSpline::new(Arc::new(space), control);
+        let found = continuity(&spline, &ContinuityOptions::default());
+        assert!(found.centres.c1() < 1e-9, "{found:?}");
     }
 }
 

@@ -30,11 +30,10 @@ impl StoredForm {
         let told = along(topology, |half_edge, due| {
             let given = *form.get(half_edge as usize)?;
             for k in 0..2 {
-                match due {
-                    Some(due) => {
-                        push_small(&mut bytes, place(given[k]).wrapping_sub(place(due[k])))
-                    }
-                    None => bytes.extend(given[k].to_le_bytes()),
+                if let Some(due) = due {
+                    push_small(&mut bytes, place(given[k]).wrapping_sub(place(due[k])));
+                } else {
+                    bytes.extend(given[k].to_le_bytes());
                 }
             }
             Some(given)
