@@ -21,8 +21,12 @@ pub(in crate::run) fn evaluate(
     observer: &mut Observer<'_>,
 ) -> Result<RunOutput, RunError> {
     let refused = |what, remedy| Err(TSplineError::FitOnly { what, remedy }.into());
-    if evaluation.sum.is_some() || !evaluation.shifts.is_empty() || !evaluation.changes.is_empty() {
+    if evaluation.sum.is_some() || !evaluation.shifts.is_empty() {
         return refused("sums and moves of knots", "leave them out");
+    }
+    if !evaluation.changes.is_empty() {
+        let (what, remedy) = ("control triangles", "give --move, --control or --pull");
+        return refused(what, remedy);
     }
     if evaluation.at.is_some() || !evaluation.moved.is_empty() || evaluation.subdivide > 0 {
         return refused(
