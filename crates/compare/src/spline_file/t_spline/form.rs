@@ -190,11 +190,15 @@ mod tests {
         for mesh in [shapes::torus(1.0, 0.4, 900), shapes::height_field(400)] {
             let topology = mesh.topology();
             let at = |v: u32| mesh.positions()[v as usize];
-            let side = |h: u32| {
+            let along = |h: u32| {
                 let along = at(topology.target(h)) - at(topology.origin(h));
                 [along.x + 0.3 * along.z, along.y]
             };
-            // Differences of one vertex and another are opposite to the bit.
+            // One of two half-edges tells both: zeros have signs too.
+            let side = |h: u32| match topology.twin(h) {
+                twin if twin < h => along(twin).map(|x| -x),
+                _ => along(h),
+            };
             let form: Vec<[f64; 2]> = (0..3 * mesh.face_count() as u32).map(side).collect();
             let stored = StoredForm::of(topology, &form);
             let StoredForm::Closed(Bytes(bytes)) = &stored else {
