@@ -69,7 +69,8 @@ pub(crate) enum Command {
     Deform(Deform),
     /// Move control points of a biharmonic B-spline.
     Edit(Edit),
-    /// Change a Powell-Sabin spline without zeros: new vertices, normals, control triangles.
+    /// Change a Powell-Sabin spline without zeros (new vertices, normals, control triangles) or a T-spline
+    /// (control points, points of the surface).
     Reshape(Reshape),
     /// Add biharmonic B-splines on the same mesh.
     Combine(Combine),
@@ -414,6 +415,10 @@ pub(crate) struct Evaluate {
     /// where absent.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
     pub(crate) tessellate: Option<u32>,
+    /// Level of a T-spline: 0 is the coarsest surface on the way of its fit, and the last one, the surface
+    /// itself, is taken where absent. Vertices are at the parameters that they have on the last.
+    #[arg(long, value_name = "K")]
+    pub(crate) level: Option<u32>,
     /// Write points and first derivatives of a trivariate spline at the parameters in this NumPy array
     /// or text file, rows of u v w, as .npy or .csv.
     #[arg(long, value_name = "FILE")]

@@ -7,7 +7,7 @@ use msplines_compare::case::{
 };
 use msplines_compare::error::exit;
 use msplines_compare::input::file_name;
-use msplines_compare::run::{self, Evaluation, Shift};
+use msplines_compare::run::{self, Evaluation, Shift, TSplineChanges};
 
 use msplines_ls_mesh::Constraints;
 
@@ -71,19 +71,28 @@ pub(crate) fn deform(deform: &Deform, session: &Session) -> Result<u8, Failure> 
     run_evaluation("deform", &solid::deformation(deform, session), session)
 }
 
-/// Changes a Powell-Sabin spline in a file.
+/// Changes a Powell-Sabin spline or a T-spline in a file.
 pub(crate) fn reshape(reshape: &Reshape, session: &Session) -> Result<u8, Failure> {
-    if reshape.insert.is_empty() && reshape.turn.is_empty() && reshape.scale.is_empty() {
-        return Err(Failure {
+    let usage = |text: &str| {
+        Err(Failure {
             code: exit::USAGE,
-            text: "give --insert, --turn or --scale".to_owned(),
-        });
+            text: text.to_owned(),
+        })
+    };
+    let triangles = powell_sabin::reshaping(reshape, session);
+    let evaluation = Evaluation {
+        t_spline: t_spline::changes(reshape),
+        ..triangles
+    };
+    let points = &evaluation.t_spline;
+    let others = points.moves.len() + points.drags.len() + points.pulls.len();
+    if evaluation.changes.is_empty() && others == 0 && points.list.is_none() {
+        return usage(
+            "give --insert, --turn or --scale for a Powell-Sabin spline, --move, --control, --pull \
+             or --list for a T-spline",
+        );
     }
-    run_evaluation(
-        "reshape",
-        &powell_sabin::reshaping(reshape, session),
-        session,
-    )
+    run_evaluation("reshape", &evaluation, session)
 }
 
 /// Adds splines in files.
@@ -107,6 +116,10 @@ fn evaluation(evaluate: &Evaluate, session: &Session) -> Evaluation {
         mesh: evaluate.mesh.clone(),
         shifts: Vec::new(),
         changes: Vec::new(),
+        t_spline: TSplineChanges {
+            level: evaluate.level.map(|level| level as usize),
+            ..TSplineChanges::default()
+        },
         sum: None,
         subdivide: evaluate.subdivide,
         cells: evaluate.tessellate.map(|cells| cells as usize),

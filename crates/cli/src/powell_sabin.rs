@@ -2,7 +2,7 @@
 
 use msplines_common::{Point3, Vector3};
 use msplines_compare::case::{Case, Input, Method, PowellSabinMethod};
-use msplines_compare::run::{Change, ChangeKind, Evaluation};
+use msplines_compare::run::{Change, ChangeKind, Evaluation, TSplineChanges};
 use msplines_powell_sabin::{Fairness, Options, SurfaceOptions};
 
 use crate::arguments::{Fill, PowellSabin, Reshape, Weights};
@@ -64,6 +64,7 @@ pub(crate) fn reshaping(reshape: &Reshape, session: &Session) -> Evaluation {
         mesh: None,
         shifts: Vec::new(),
         changes: inserted.chain(turned).chain(scaled).collect(),
+        t_spline: TSplineChanges::default(),
         sum: None,
         subdivide: 0,
         cells: reshape.tessellate.map(|segments| segments as usize),

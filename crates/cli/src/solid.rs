@@ -3,7 +3,7 @@
 use msplines_compare::case::{Case, Filler, Input, Method, SolidMap, TrivariateMethod};
 use msplines_compare::error::exit;
 use msplines_compare::experiment::{FitName, RowSolid, Settings};
-use msplines_compare::run::Evaluation;
+use msplines_compare::run::{Evaluation, TSplineChanges};
 use msplines_trivariate::domain::Sampling;
 use msplines_trivariate::domain::mesher::Spacing;
 
@@ -91,6 +91,7 @@ pub(crate) fn deformation(deform: &Deform, session: &Session) -> Evaluation {
         mesh: None,
         shifts: Vec::new(),
         changes: Vec::new(),
+        t_spline: TSplineChanges::default(),
         sum: None,
         subdivide: 0,
         cells: deform.tessellate.map(|cells| cells as usize),

@@ -1,10 +1,13 @@
-//! `msplines fit t-spline`.
+//! `msplines fit t-spline` and what `msplines reshape` does with its splines.
 
+use msplines_common::{Point3, Vector3};
 use msplines_compare::case::{Case, DomainStorage, FaceSamples, Input, Method, TSplineMethod};
+use msplines_compare::run::TSplineChanges;
+use msplines_t_spline::edit::Drag;
 use msplines_t_spline::fit::Correction;
 use msplines_t_spline::{FitOptions, Stop};
 
-use crate::arguments::{Solver, TSpline, Toggle};
+use crate::arguments::{Reshape, Solver, TSpline, Toggle};
 use crate::session::Session;
 
 /// Conjugate gradients as they are asked for by name.
@@ -58,5 +61,23 @@ pub(crate) fn case(arguments: &TSpline, session: &Session) -> Case {
             DomainStorage::Embedded
         },
         ..Case::new(input, Method::TSpline(Box::new(method)))
+    }
+}
+
+/// Returns the movements of control points that are asked for.
+pub(crate) fn changes(reshape: &Reshape) -> TSplineChanges {
+    let drag = |&[x, y, z, dx, dy, dz]: &[f64; 6]| Drag {
+        at: Point3::new(x, y, z),
+        by: Vector3::new(dx, dy, dz),
+        within: reshape.within,
+    };
+    let moves = reshape.control.iter();
+    let pulls = reshape.pull.iter();
+    TSplineChanges {
+        level: None,
+        moves: moves.map(|m| (m.index, Vector3::from(m.numbers))).collect(),
+        drags: reshape.moves.iter().map(drag).collect(),
+        pulls: pulls.map(|p| (p.index, Point3::from(p.numbers))).collect(),
+        list: reshape.list.clone(),
     }
 }

@@ -308,7 +308,7 @@ pub enum SplineFileError {
     Json(#[from] serde_json::Error),
     /// JSON of another kind.
     #[error(
-        "this is `{found}`, not `msplines.spline/1`; give a file that `msplines fit -o FILE.json` wrote"
+        "this is `{found}`, not `msplines.spline/2`; give a file that `msplines fit -o FILE.json` wrote"
     )]
     WrongSchema {
         /// The schema it states.
@@ -343,6 +343,30 @@ pub enum SplineFileError {
         what: &'static str,
         /// Index of the first.
         index: usize,
+    },
+    /// A form whose bytes are not those of the mesh.
+    #[error(
+        "the form of the spline file has {bytes} bytes, which is not what {edges} edges ask for; it is damaged, fit again"
+    )]
+    Form {
+        /// How many bytes there are.
+        bytes: usize,
+        /// Edges of the mesh.
+        edges: usize,
+    },
+    /// Runs of a mesh that do not belong together.
+    #[error("the {what} of the spline file do not fit its domain; it is damaged, fit again")]
+    Layout {
+        /// What does not fit.
+        what: &'static str,
+    },
+    /// A level that is not in the file.
+    #[error("--level {level}: the file has levels 0, the coarsest, to {last}, the surface itself")]
+    NoSuchLevel {
+        /// What was asked for.
+        level: usize,
+        /// The finest one.
+        last: usize,
     },
     /// The embedded domain is not a manifold.
     #[error("the domain of the spline file: {0}; the file is damaged, fit again")]
@@ -431,6 +455,7 @@ impl SplineFileError {
             | Self::Cube
             | Self::SurfacePoints
             | Self::OwnTessellation
+            | Self::NoSuchLevel { .. }
             | Self::DomainMissing { .. } => exit::USAGE,
             Self::Biharmonic(_) | Self::Space(_) | Self::LsMesh(_) | Self::Evaluate(_) => {
                 exit::METHOD

@@ -13,7 +13,9 @@ pub mod caps;
 pub mod cells;
 pub mod complex;
 pub mod domain;
+pub mod edit;
 pub mod fit;
+pub mod measure;
 pub mod options;
 pub mod parts;
 #[cfg(test)]

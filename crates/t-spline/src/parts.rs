@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::caps::{CapOptions, Caps, CapsError};
 use crate::domain::{Domain, DomainError, End, PeriodicForm, SnapOptions};
+use crate::fit::Level;
 use crate::space::TSplineSpace;
 use crate::spline::TSpline;
 use crate::surface::TSplineSurface;
@@ -39,6 +40,21 @@ pub struct SurfaceParts {
     /// Radius of each cap.
     pub radii: Vec<f64>,
     /// Control points, then coefficients of caps.
+    pub control: Vec<[f64; 3]>,
+    /// Coarser surfaces on the way to this one, the coarsest first.
+    #[serde(default)]
+    pub levels: Vec<LevelParts>,
+}
+
+/// The numbers of a coarser surface on the way to another one: its T-mesh begins with the same splits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LevelParts {
+    /// How many of the splits it has.
+    pub splits: usize,
+    /// Radius of each of its caps.
+    pub radii: Vec<f64>,
+    /// Its control points, then coefficients of caps.
     pub control: Vec<[f64; 3]>,
 }
 
@@ -73,6 +89,16 @@ pub enum PartsError {
         /// How many there should be.
         needed: usize,
     },
+    /// A level that is not there.
+    #[error(
+        "there is no level {level}: the levels are 0, the coarsest, to {last}, the surface itself"
+    )]
+    Level {
+        /// What was asked for.
+        level: usize,
+        /// The finest one.
+        last: usize,
+    },
     /// A number that is not finite, a radius that is not positive, or a face out of order.
     #[error("number {index} of the {what} is not finite, or out of range")]
     Number {
@@ -81,6 +107,61 @@ pub enum PartsError {
         /// The first.
         index: usize,
     },
+}
+
+fn listed(control: &[Vector3<f64>]) -> Vec<[f64; 3]> {
+    control.iter().map(|c| [c.x, c.y, c.z]).collect()
+}
+
+impl SurfaceParts {
+    /// Returns the numbers with those of the surfaces of a fit on the way to this one, without the last,
+    /// which this one is.
+    ///
+    /// # Panics
+    /// If a level is no prefix of another one's splits: those of one fit are.
+    #[must_use]
+    pub fn with_levels(self, levels: &[Level]) -> Self {
+        let coarser = &levels[..levels.len().saturating_sub(1)];
+        let part = |level: &Level| {
+            let space = level.spline.space();
+            let splits = space.mesh().splits();
+            assert!(self.splits.starts_with(splits), "levels of one fit");
+            LevelParts {
+                splits: splits.len(),
+                radii: space.caps().caps().iter().map(|cap| cap.radius).collect(),
+                control: listed(level.spline.control()),
+            }
+        };
+        let levels = coarser.iter().map(part).collect();
+        Self { levels, ..self }
+    }
+
+    /// Returns the numbers of a level, with those of all coarser ones: 0 is the coarsest, and the last the
+    /// surface itself. Vertices are where they lie on that.
+    ///
+    /// # Errors
+    /// A level that is not there, or has more splits than the surface.
+    pub fn at_level(&self, level: usize) -> Result<Self, PartsError> {
+        let last = self.levels.len();
+        if level == last {
+            return Ok(self.clone());
+        }
+        let found = self.levels.get(level);
+        let found = found.ok_or(PartsError::Level { level, last })?;
+        let splits = self.splits.get(..found.splits);
+        let splits = splits.ok_or(PartsError::Count {
+            what: "splits",
+            given: self.splits.len(),
+            needed: found.splits,
+        })?;
+        Ok(Self {
+            splits: splits.to_vec(),
+            radii: found.radii.clone(),
+            control: found.control.clone(),
+            levels: self.levels[..level].to_vec(),
+            ..self.clone()
+        })
+    }
 }
 
 impl TSplineSurface {
@@ -101,12 +182,8 @@ impl TSplineSurface {
             splits: space.mesh().splits().to_vec(),
             caps: *caps,
             radii: space.caps().caps().iter().map(|cap| cap.radius).collect(),
-            control: self
-                .spline()
-                .control()
-                .iter()
-                .map(|c| [c.x, c.y, c.z])
-                .collect(),
+            control: listed(self.spline().control()),
+            levels: Vec::new(),
         }
     }
 
@@ -212,6 +289,10 @@ mod tests {
     use crate::fit::{FitOptions, Stop, fit};
 
     fn surface(mesh: &TriangleMesh, poles: Vec<u32>) -> TSplineSurface {
+        fitted(mesh, poles).0
+    }
+
+    fn fitted(mesh: &TriangleMesh, poles: Vec<u32>) -> (TSplineSurface, Vec<Level>) {
         let options = DomainOptions {
             poles,
             ..DomainOptions::default()
@@ -225,7 +306,32 @@ mod tests {
         let complex = Arc::new(domain.complex().clone());
         let fit = fit(&complex, &samples, &options, &mut unobserved()).expect("a surface");
         let shifts = fit.samples.iter().map(|s| s.shift).collect();
-        TSplineSurface::new(domain, shifts, fit.spline)
+        (TSplineSurface::new(domain, shifts, fit.spline), fit.levels)
+    }
+
+    #[test]
+    fn every_level_is_that_of_the_fit_to_the_bit() {
+        let sphere = shapes::sphere(900);
+        for (mesh, poles) in [(shapes::genus(2, 2000), Vec::new()), (sphere, vec![0, 400])] {
+            let (given, levels) = fitted(&mesh, poles);
+            let parts = given.parts(&CapOptions::default()).with_levels(&levels);
+            assert!(levels.len() > 2 && parts.levels.len() + 1 == levels.len());
+            for (index, level) in levels.iter().enumerate() {
+                let coarse = parts.at_level(index).expect("a level");
+                assert_eq!(coarse.levels, parts.levels[..index]);
+                let own = given.domain().mesh().clone();
+                let read = TSplineSurface::from_parts(own, &coarse).expect("a surface");
+                assert_eq!(*read.spline(), level.spline);
+                assert_eq!(read.shifts(), given.shifts());
+            }
+            let beyond = parts.at_level(levels.len()).expect_err("no such level");
+            let last = levels.len() - 1;
+            assert!(
+                beyond
+                    .to_string()
+                    .ends_with(&format!("to {last}, the surface itself"))
+            );
+        }
     }
 
     #[test]

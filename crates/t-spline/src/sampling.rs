@@ -27,7 +27,8 @@ const MOST: f64 = 32.0;
 impl TSplineSurface {
     /// Returns points inside of faces of [`Domain::mesh`] that are too large for `wanted` samples to be as
     /// dense everywhere, put onto `surface`, of which edges may have been flipped. They weigh as much as
-    /// the vertices of a part as large, and errors are not measured at them. O(n log n).
+    /// the vertices of a part as large, and errors are not measured at them; there are none in closed holes.
+    /// O(n log n).
     #[must_use]
     pub fn face_samples(domain: &Domain, surface: &TriangleMesh, wanted: usize) -> Vec<Sample> {
         let mesh = domain.mesh();
@@ -39,6 +40,9 @@ impl TSplineSurface {
         let spacing = (area / wanted.max(vertices) as f64).sqrt();
         let per_vertex = area / vertices as f64;
         let parts = |face: u32| {
+            if domain.outside().binary_search(&face).is_ok() {
+                return 0;
+            }
             let corners = mesh.triangle(face);
             let side = |i: usize| (corners[(i + 1) % 3] - corners[i]).norm();
             let longest = side(0).max(side(1)).max(side(2));

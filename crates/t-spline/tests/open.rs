@@ -4,6 +4,7 @@
     reason = "the figures of every surface are shown"
 )]
 
+#[path = "../../../tests/library.rs"]
 mod library;
 
 use std::sync::Arc;

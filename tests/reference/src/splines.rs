@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use msplines_common::progress::unobserved;
 use msplines_compare::record::InputKind;
-use msplines_compare::run::{Evaluation, evaluate};
+use msplines_compare::run::{Evaluation, TSplineChanges, evaluate};
 use msplines_compare::spline_file::{
     SplineFile, StoredCube, StoredDomain, StoredSpline, StoredTrivariate,
 };
@@ -105,6 +105,7 @@ pub fn write(
         at: None,
         moved: Vec::new(),
         changes: Vec::new(),
+        t_spline: TSplineChanges::default(),
         outputs: outputs.clone(),
         seed: 0,
     };

@@ -75,7 +75,7 @@ pub(crate) enum Fill {
 #[derive(Debug, Args)]
 pub(crate) struct Reshape {
     /// Spline file that `msplines fit powell-sabin -o FILE.json` wrote, of a torus or a surface with a
-    /// boundary.
+    /// boundary; or `msplines fit t-spline`, of any surface.
     pub(crate) spline: PathBuf,
     /// Insert a vertex in the middle of the face nearest to a place, and move the surface there; first
     /// of all, more than one by repeating.
@@ -87,11 +87,33 @@ pub(crate) struct Reshape {
     /// Scale the control triangle of the vertex nearest to a place; more than one by repeating.
     #[arg(long, value_name = "X,Y,Z:FACTOR", value_parser = numbers::<4>, allow_hyphen_values = true)]
     pub(crate) scale: Vec<[f64; 4]>,
+    /// T-splines: move the control point of this number, counted from 0; more than one by repeating.
+    #[arg(long, value_name = "INDEX:DX,DY,DZ", value_parser = numbered, allow_hyphen_values = true)]
+    pub(crate) control: Vec<Numbered>,
+    /// T-splines: move the control points around a place; more than one by repeating.
+    #[arg(long = "move", value_name = "X,Y,Z:DX,DY,DZ", value_parser = numbers::<6>, allow_hyphen_values = true)]
+    pub(crate) moves: Vec<[f64; 6]>,
+    /// Distance from those places within which control points move, less and less towards it; the
+    /// nearest one alone where absent.
+    #[arg(long, value_name = "LENGTH", default_value = "0", value_parser = super::not_negative)]
+    pub(crate) within: f64,
+    /// T-splines: bring the surface at a vertex of the input, counted from 0, to a point by the least change
+    /// of its control points; last of all, all vertices at once where repeated.
+    #[arg(long, value_name = "VERTEX:X,Y,Z", value_parser = numbered, allow_hyphen_values = true)]
+    pub(crate) pull: Vec<Numbered>,
+    /// T-splines: list the control points after all changes, with their places on the cylinders and in space.
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) list: Option<PathBuf>,
     /// Triangles along each side of a face in files of the surface, with exact normals.
     #[arg(long, value_name = "N")]
     pub(crate) tessellate: Option<u32>,
     /// File to write, as of the fit; more than one by repeating.
-    #[arg(short, long = "output", value_name = "OUT", required = true)]
+    #[arg(
+        short,
+        long = "output",
+        value_name = "OUT",
+        required_unless_present = "list"
+    )]
     pub(crate) outputs: Vec<PathBuf>,
 }
 
@@ -101,4 +123,20 @@ fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
         Ok(Ok(all)) if all.iter().all(|x| x.is_finite()) => Ok(all),
         _ => Err(format!("give {N} finite numbers, a place first")),
     }
+}
+
+/// A number of something, and a vector or point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Numbered {
+    pub(crate) index: u32,
+    pub(crate) numbers: [f64; 3],
+}
+
+fn numbered(text: &str) -> Result<Numbered, String> {
+    let refused = || "give a number counted from 0 and three finite ones: 7:0,0,0.1".to_owned();
+    let (index, rest) = text.split_once(':').ok_or_else(refused)?;
+    Ok(Numbered {
+        index: index.trim().parse().map_err(|_| refused())?,
+        numbers: numbers::<3>(rest).map_err(|_| refused())?,
+    })
 }

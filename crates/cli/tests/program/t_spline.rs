@@ -1,5 +1,6 @@
 //! What the program does with T-splines.
 
+use msplines_common::Point3;
 use msplines_common::mesh::shapes;
 
 use crate::workbench::Workbench;
@@ -155,4 +156,128 @@ fn what_cannot_be_meant_is_refused_with_a_remedy() {
     assert!(one.err.contains("poles"), "{}", one.err);
     workbench.expect(0, "fit t-spline ring.ply --control-points 100 -o s.json");
     workbench.expect(2, "evaluate s.json --subdivide 1 -o x.ply");
+}
+
+#[test]
+fn records_say_how_smooth_and_how_independent_a_surface_is() {
+    let workbench = workbench();
+    for (name, points, capped) in [
+        ("ring", 150, false),
+        ("two", 400, true),
+        ("ball", 150, true),
+    ] {
+        let fit = format!("fit t-spline {name}.ply --control-points {points} --distance");
+        workbench.expect(0, &format!("{fit} --report r.json"));
+        let record = workbench.json("r.json");
+        let checks = &record["checks"];
+        let number = |name: &str| checks[name].as_f64().expect(name);
+        assert!(number("c2_jump_max") < 1e-8, "{name}: {checks}");
+        if capped {
+            assert!(number("c1_jump_cap_max") < 1e-8, "{name}: {checks}");
+            assert!(number("c2_jump_cap_max") < 1e-8, "{name}: {checks}");
+        } else {
+            assert!(checks["c1_jump_cap_max"].is_null(), "{name}: {checks}");
+        }
+        assert_eq!(checks["gram_independent"], true, "{name}: {checks}");
+        assert!(number("gram_condition") > 1.0, "{name}: {checks}");
+        assert!(number("levels") > 1.0 && number("refinement_depth") > 0.0);
+        assert_eq!(checks["error_unit_cube"], record["error_unit_cube"]["max"]);
+        assert_eq!(checks["max_unit_cube"], record["error_unit_cube"]["max"]);
+        assert_eq!(checks["hausdorff"], record["distance"]["max"], "{name}");
+        assert!(number("hausdorff") > 0.0);
+    }
+}
+
+#[test]
+fn levels_are_taken_from_a_file() {
+    let workbench = workbench();
+    let fit = "fit t-spline two.ply --control-points 400 -o s.json -o fitted.ply --report r.json";
+    workbench.expect(0, fit);
+    let levels = workbench.json("r.json")["checks"]["levels"]
+        .as_u64()
+        .expect("a number");
+    assert!(levels > 2);
+    let mut points = Vec::new();
+    for level in [0, levels - 2] {
+        let outputs = "-o l.json -o l.ply -o l.step -o l.vtu --report l-r.json";
+        workbench.expect(0, &format!("evaluate s.json --level {level} {outputs}"));
+        let record = workbench.json("l-r.json");
+        points.push(record["dofs"].as_u64().expect("a number"));
+        assert_eq!(record["checks"]["levels"], level + 1);
+        // Its own file is that level to the byte.
+        workbench.expect(0, "evaluate l.json -o again.ply -o again.step");
+        assert_eq!(workbench.bytes("l.ply"), workbench.bytes("again.ply"));
+        assert_eq!(workbench.bytes("l.step"), workbench.bytes("again.step"));
+    }
+    points.push(workbench.json("r.json")["dofs"].as_u64().expect("a number"));
+    assert!(points.is_sorted_by(|a, b| a < b), "{points:?}");
+    let last = levels - 1;
+    workbench.expect(0, &format!("evaluate s.json --level {last} -o last.ply"));
+    assert_eq!(workbench.bytes("last.ply"), workbench.bytes("fitted.ply"));
+    let beyond = workbench.expect(2, &format!("evaluate s.json --level {levels} -o x.ply"));
+    assert!(beyond.err.contains("--level"), "{}", beyond.err);
+    workbench.expect(0, "fit ls-mesh ring.ply --controls 50 -o ls.json");
+    let other = workbench.expect(2, "evaluate ls.json --level 0 -o x.ply");
+    assert!(other.err.contains("fit t-spline"), "{}", other.err);
+}
+
+#[test]
+fn control_points_are_listed_and_moved() {
+    let workbench = workbench();
+    workbench.expect(
+        0,
+        "fit t-spline two.ply --control-points 400 -o s.json -o before.ply",
+    );
+    workbench.expect(0, "reshape s.json --list points.csv");
+    let text = String::from_utf8(workbench.bytes("points.csv")).expect("text");
+    let rows: Vec<&str> = text.lines().collect();
+    let stored = workbench.json("s.json");
+    let control = stored["data"]["control"].as_array().expect("a list");
+    assert_eq!(rows.len(), control.len() + 1);
+    let position: Vec<f64> = rows[8]
+        .split(',')
+        .skip(5)
+        .map(|n| n.parse().expect("a number"))
+        .collect();
+    assert_eq!(control[7], serde_json::json!(position));
+    let moves = "--control 7:0,0,0.1 --move 1,0,0:0,0.05,0 --within 0.3 --pull 0:3,0.5,-1";
+    workbench.expect(
+        0,
+        &format!("reshape s.json {moves} -o t.json -o after.ply --report r.json"),
+    );
+    let checks = &workbench.json("r.json")["checks"];
+    let number = |name: &str| checks[name].as_f64().expect(name);
+    assert!(number("moved_control_points") > 3.0, "{checks}");
+    assert!(
+        number("largest_movement") > 1e-2 && number("moved_share") < 0.9,
+        "{checks}"
+    );
+    assert_eq!(checks["levels"], 1);
+    let (before, after) = (workbench.soup("before.ply"), workbench.soup("after.ply"));
+    let pulled = after.positions[0] - Point3::new(3.0, 0.5, -1.0);
+    assert!(pulled.norm() < 1e-12, "{pulled}");
+    let pairs = before.positions.iter().zip(&after.positions);
+    let still = pairs.filter(|(a, b)| a == b).count();
+    assert!(still > 100, "{still}");
+    workbench.expect(0, "evaluate t.json -o again.ply");
+    assert_eq!(workbench.bytes("after.ply"), workbench.bytes("again.ply"));
+}
+
+#[test]
+fn movements_that_are_none_are_refused() {
+    let workbench = workbench();
+    workbench.expect(0, "fit t-spline ring.ply --control-points 100 -o s.json");
+    let nothing = workbench.expect(2, "reshape s.json -o x.ply");
+    assert!(nothing.err.contains("--pull"), "{}", nothing.err);
+    let beyond = workbench.expect(2, "reshape s.json --control 900:0,0,1 -o x.ply");
+    assert!(beyond.err.contains("control point 900"), "{}", beyond.err);
+    let vertex = workbench.expect(2, "reshape s.json --pull 90000:0,0,1 -o x.ply");
+    assert!(vertex.err.contains("--pull 90000"), "{}", vertex.err);
+    workbench.expect(2, "reshape s.json --control 3 -o x.ply");
+    workbench.expect(2, "reshape s.json --pull 3:0,0 -o x.ply");
+    let turned = workbench.expect(2, "reshape s.json --turn 0,0,0:0,0,1 -o x.ply");
+    assert!(turned.err.contains("T-spline"), "{}", turned.err);
+    workbench.expect(0, "fit powell-sabin ring.ply -o p.json");
+    let other = workbench.expect(2, "reshape p.json --control 1:0,0,1 -o x.ply");
+    assert!(other.err.contains("fit t-spline"), "{}", other.err);
 }

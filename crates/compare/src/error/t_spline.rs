@@ -3,6 +3,7 @@
 use msplines_common::mesh::TopologyError;
 use msplines_t_spline::FitError;
 use msplines_t_spline::domain::DomainError;
+use msplines_t_spline::edit::EditError;
 
 use super::exit;
 
@@ -43,6 +44,25 @@ pub enum TSplineError {
     /// Poles that do not close the mesh.
     #[error("t-spline: the surface around its poles is no manifold: {0}; choose other poles")]
     Poles(#[from] TopologyError),
+    /// A movement of control points that is none.
+    #[error("t-spline: {0}")]
+    Edit(#[from] EditError),
+    /// A vertex of the input that has no place on the surface.
+    #[error(
+        "--pull {vertex}: the surface has no such vertex; give one of the input, counted from 0"
+    )]
+    NotOnSurface {
+        /// What was asked for.
+        vertex: u32,
+    },
+    /// A spline of another method.
+    #[error(
+        "levels, lists and movements of control points by number are for T-splines, and this file holds a {method} spline; give a file that `msplines fit t-spline -o FILE.json` wrote"
+    )]
+    NotATSpline {
+        /// The method of the file.
+        method: &'static str,
+    },
 }
 
 impl TSplineError {
@@ -55,7 +75,10 @@ impl TSplineError {
             )
             | Self::FaceSamples { .. }
             | Self::Tolerance { .. }
-            | Self::NoSuchVertex { .. } => exit::USAGE,
+            | Self::NoSuchVertex { .. }
+            | Self::Edit(_)
+            | Self::NotOnSurface { .. }
+            | Self::NotATSpline { .. } => exit::USAGE,
             Self::Fit(FitError::NotFinite { .. }) => exit::INPUT,
             Self::Domain(_) | Self::Fit(_) | Self::Poles(_) => exit::METHOD,
         }

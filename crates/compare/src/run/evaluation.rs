@@ -7,8 +7,8 @@ use msplines_common::progress::{Observer, Outcome};
 use serde_json::{Value, json};
 
 use super::{
-    Change, RunOutput, Shift, Summary, check_finite, edits, enter, manifold, powell_sabin, record,
-    solid, sums, t_spline,
+    Change, RunOutput, Shift, Summary, TSplineChanges, check_finite, edits, enter, manifold,
+    powell_sabin, record, solid, sums, t_spline,
 };
 use crate::case::Data;
 use crate::clock::PhaseClock;
@@ -30,6 +30,8 @@ pub struct Evaluation {
     pub shifts: Vec<Shift>,
     /// Changes of a Powell-Sabin spline before, in this order.
     pub changes: Vec<Change>,
+    /// What is asked of a T-spline alone.
+    pub t_spline: TSplineChanges,
     /// Factor of the spline, and other splines on the same mesh that are added with theirs.
     pub sum: Option<(f64, Vec<(PathBuf, f64)>)>,
     /// Rounds of midpoint subdivision.
@@ -97,6 +99,7 @@ pub fn evaluate(
     let mut clock = PhaseClock::start(process_start);
     enter("read", &mut clock, observer);
     let spline = SplineFile::read(&evaluation.spline)?;
+    evaluation.t_spline.check_method(&spline.spline)?;
     match &spline.spline {
         StoredSpline::PowellSabin(_) => {
             return powell_sabin::evaluate(evaluation, spline, &mut clock, observer);

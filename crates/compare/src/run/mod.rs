@@ -38,6 +38,7 @@ pub use frames::ShownFrame;
 pub use manifold::Companion;
 pub(crate) use manifold::creases_file;
 pub use powell_sabin::{Change, ChangeKind};
+pub use t_spline::TSplineChanges;
 pub(crate) use t_spline::pictures as t_spline_pictures;
 
 /// What a run gives.

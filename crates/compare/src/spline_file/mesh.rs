@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::SplineFileError;
 
 /// A triangle mesh in a spline file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StoredMesh {
     /// Position of every vertex.

@@ -23,11 +23,13 @@ pub use chart::StoredLocal;
 pub use manifold::{StoredChart, StoredManifold, StoredPolygons};
 pub use mesh::StoredMesh;
 pub use stored::StoredSpline;
-pub use t_spline::StoredTSpline;
+pub use t_spline::{Bytes, FaceRun, StoredForm, StoredLayout, StoredLevel, StoredTSpline, Vectors};
 pub use trivariate::{StoredCube, StoredTrivariate};
 
 /// The schema of [`SplineFile`].
-pub const SPLINE_SCHEMA: &str = "msplines.spline/1";
+pub const SPLINE_SCHEMA: &str = "msplines.spline/2";
+/// The one before, in which only T-splines were other: it is read too.
+const FIRST_SCHEMA: &str = "msplines.spline/1";
 
 /// A spline file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -103,15 +105,26 @@ impl SplineFile {
         #[derive(Deserialize)]
         struct Header {
             schema: String,
+            method: Option<String>,
         }
         // The header first: "another schema" says more than the first field that differs.
         let header: Header = serde_json::from_slice(bytes)?;
-        if header.schema != SPLINE_SCHEMA {
+        let first = header.schema == FIRST_SCHEMA;
+        if header.schema != SPLINE_SCHEMA && !first {
             return Err(SplineFileError::WrongSchema {
                 found: header.schema,
             });
         }
-        Ok(serde_json::from_slice(bytes)?)
+        if first && header.method.as_deref() == Some("t-spline") {
+            let file: t_spline::FirstTSpline = serde_json::from_slice(bytes)?;
+            let (domain, options, spline) = file.upgraded();
+            return Ok(Self::new(domain, options, spline));
+        }
+        let read: Self = serde_json::from_slice(bytes)?;
+        Ok(Self {
+            schema: SPLINE_SCHEMA.to_owned(),
+            ..read
+        })
     }
 
     /// Writes the spline as JSON.
@@ -192,7 +205,7 @@ mod tests {
     fn method_and_data_stand_beside_the_schema() {
         let value: serde_json::Value =
             serde_json::from_slice(&bytes(&file(vec![1.0, -1.0]))).expect("json");
-        assert_eq!(value["schema"], "msplines.spline/1");
+        assert_eq!(value["schema"], SPLINE_SCHEMA);
         assert_eq!(value["method"], "biharmonic");
         assert_eq!(value["data"]["knots"], serde_json::json!([0, 2]));
         assert_eq!(
@@ -232,9 +245,20 @@ mod tests {
         let error = SplineFile::parse(b"{\"schema\": \"msplines.run/1\"}").expect_err("refused");
         assert_eq!(
             error.to_string(),
-            "this is `msplines.run/1`, not `msplines.spline/1`; give a file that `msplines fit -o \
+            "this is `msplines.run/1`, not `msplines.spline/2`; give a file that `msplines fit -o \
              FILE.json` wrote"
         );
         assert!(SplineFile::parse(b"not json").is_err());
+    }
+
+    #[test]
+    fn files_of_the_first_schema_are_read() {
+        let given = file(vec![1.0, -1.0]);
+        let text = String::from_utf8(bytes(&given)).expect("text");
+        let first = text.replacen(SPLINE_SCHEMA, FIRST_SCHEMA, 1);
+        assert_eq!(
+            SplineFile::parse(first.as_bytes()).expect("it reads"),
+            given
+        );
     }
 }

@@ -269,12 +269,30 @@ impl Caps {
     }
 }
 
+/// Returns the radius of the core of a cap as `|w|`.
+pub(crate) fn core_of(kind: CapKind) -> f64 {
+    match kind {
+        CapKind::Zero { order, .. } => CORE.powf(1.0 / f64::from(order + 1)),
+        CapKind::Pole { .. } => CORE,
+    }
+}
+
 impl Caps {
     /// Returns whether a box of a cylinder, in units, shares points with a cap.
     pub(crate) fn meet(&self, cylinder: u32, x: [f64; 2], y: [f64; 2]) -> bool {
+        self.meeting(cylinder, x, y).next().is_some()
+    }
+
+    /// Returns the caps with which a box of a cylinder, in units, shares points.
+    pub(crate) fn meeting(
+        &self,
+        cylinder: u32,
+        x: [f64; 2],
+        y: [f64; 2],
+    ) -> impl Iterator<Item = &Cap> {
         let ([size, height], patches) = &self.patches[cylinder as usize];
         let apart = |at: f64, range: [f64; 2]| (range[0] - at).max(at - range[1]).max(0.0);
-        patches.iter().any(|patch| {
+        let met = move |patch: &&Patch| {
             let cap = &self.caps[patch.cap as usize];
             let reach = cap.radius * UNITS;
             let edge = match patch.border {
@@ -288,7 +306,11 @@ impl Caps {
                     .into_iter()
                     .any(|turn| apart(patch.x + turn * size, x).hypot(along) < reach),
             }
-        })
+        };
+        patches
+            .iter()
+            .filter(met)
+            .map(|patch| &self.caps[patch.cap as usize])
     }
 }
 
@@ -329,7 +351,7 @@ fn at_zero(
     // L = log w has L' = 1 / ((m + 1) z).
     let slope = share / z;
     let curve = -slope / z;
-    let core = CORE.powf(share);
+    let core = core_of(cap.kind);
     let exact = if length < least {
         Complex::new(0.0, 0.0)
     } else {

@@ -64,6 +64,10 @@ pub(super) fn check(
             cylinders,
         });
     }
+    check_options(options)
+}
+
+fn check_options(options: &FitOptions) -> Result<(), FitError> {
     if let Stop::Tolerance(given) = options.stop
         && !(given > 0.0 && given.is_finite())
     {

@@ -12,6 +12,7 @@ mod anchors;
 mod error;
 mod grading;
 mod grid;
+mod junctions;
 mod ray;
 #[cfg(test)]
 pub(crate) mod tests;

@@ -5,7 +5,7 @@
     reason = "the figures of every surface are shown"
 )]
 
-#[path = "../library/mod.rs"]
+#[path = "../../../../tests/library.rs"]
 mod library;
 mod lines;
 

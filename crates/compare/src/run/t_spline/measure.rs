@@ -6,8 +6,9 @@ use msplines_common::Vector3;
 use msplines_common::evaluate::Order;
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::metrics::Distance;
-use msplines_t_spline::complex::{Border, CylinderComplex, Node, Point};
-use msplines_t_spline::tmesh::Side;
+use msplines_t_spline::complex::{CylinderComplex, Point};
+use msplines_t_spline::measure::{ContinuityOptions, Jumps, continuity, gram};
+use msplines_t_spline::tmesh::Leaf;
 use msplines_t_spline::{TMesh, TSpline, TSplineSpace, TSplineSurface};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -47,10 +48,52 @@ pub(super) fn surface(surface: &TSplineSurface, seed: u64) -> BTreeMap<String, V
         ("area_defect", json!(report.area_defect)),
         ("energy", json!(report.energy)),
         ("leaves", json!(mesh.leaves().len())),
-        ("t_junctions", json!(t_junctions(mesh))),
+        ("t_junctions", json!(mesh.t_junctions().len())),
+        ("refinement_depth", json!(depth(mesh))),
         ("unity_max", json!(unity_max(space, &points))),
         ("basis_sum_min", json!(basis_sum_min(space, &points))),
         ("samples", json!(points.len())),
+    ];
+    let named = named.map(|(name, value)| (name.to_owned(), value));
+    let mut checks = BTreeMap::from(named);
+    checks.extend(smoothness(surface.spline(), seed));
+    checks.extend(independence(space, seed));
+    checks
+}
+
+/// How often a face of a base grid was halved at most, in one direction.
+fn depth(mesh: &TMesh) -> u8 {
+    let levels = |leaf: &Leaf| leaf.level[0].max(leaf.level[1]);
+    mesh.leaves().iter().map(levels).max().unwrap_or(0)
+}
+
+/// Returns relative jumps over lines of all kinds; nothing for caps where there are none.
+fn smoothness(spline: &TSpline, seed: u64) -> BTreeMap<String, Value> {
+    let options = ContinuityOptions {
+        seed,
+        ..ContinuityOptions::default()
+    };
+    let found = continuity(spline, &options);
+    let outside = [found.borders, found.edges, found.rays, found.t_junctions];
+    let caps = [found.cap_borders, found.core_borders, found.centres];
+    let looked = |lines: &[Jumps]| lines.iter().map(|jumps| jumps.crossings).sum::<usize>();
+    let capped = |jump: f64| (looked(&caps) > 0).then_some(jump);
+    let named = [
+        ("c2_jump_max", json!(found.c2_jump())),
+        ("c1_jump_cap_max", json!(capped(found.cap_c1_jump()))),
+        ("c2_jump_cap_max", json!(capped(found.cap_c2_jump()))),
+        ("crossings", json!(looked(&outside) + looked(&caps))),
+    ];
+    named.map(|(name, value)| (name.to_owned(), value)).into()
+}
+
+/// Returns how independent the functions are; no condition where rounding hides it.
+fn independence(space: &TSplineSpace, seed: u64) -> BTreeMap<String, Value> {
+    let found = gram(space, seed).ok();
+    let named = [
+        ("gram_condition", json!(found.and_then(|g| g.condition))),
+        ("gram_independent", json!(found.map(|g| g.independent))),
+        ("gram_idle", json!(found.map(|g| g.idle))),
     ];
     named.map(|(name, value)| (name.to_owned(), value)).into()
 }
@@ -128,41 +171,6 @@ fn basis_sum_min(space: &TSplineSpace, points: &[Point]) -> f64 {
         .sums(&outside)
         .into_iter()
         .fold(f64::INFINITY, f64::min)
-}
-
-/// Returns the number of corners of leaves that lie inside of the side of another.
-fn t_junctions(mesh: &TMesh) -> usize {
-    let complex = mesh.complex();
-    let mut nodes: Vec<Node> = Vec::new();
-    for leaf in mesh.leaves() {
-        for (x, y) in [(0, 0), (1, 0), (1, 1), (0, 1)] {
-            nodes.push(complex.node(leaf.cylinder, leaf.x[x], leaf.y[y]));
-        }
-    }
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes
-        .iter()
-        .filter(|node| is_t_junction(mesh, node))
-        .count()
-}
-
-fn is_t_junction(mesh: &TMesh, node: &Node) -> bool {
-    let inside = |at: &Node, side_y: Side| {
-        [Side::Low, Side::High].into_iter().any(|side_x| {
-            let leaf = mesh.locate(at.cylinder, [at.x, at.y], [side_x, side_y]);
-            let leaf = mesh.leaves()[leaf as usize];
-            leaf.x[0] < at.x && at.x < leaf.x[1] || leaf.y[0] < at.y && at.y < leaf.y[1]
-        })
-    };
-    if inside(node, Side::High) {
-        return true;
-    }
-    if node.y > 0 {
-        return inside(node, Side::Low);
-    }
-    let below = mesh.complex().across(node.cylinder, Border::Bottom, node.x);
-    below.is_ok_and(|below| inside(&below, Side::Low))
 }
 
 /// Returns the two-sided distance between the surface and a mesh.

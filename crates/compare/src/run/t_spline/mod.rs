@@ -1,5 +1,6 @@
 //! Runs of T-splines: from a surface to cylinders, and to one spline over them that approximates it.
 
+mod edits;
 mod evaluate;
 mod measure;
 mod net;
@@ -29,6 +30,7 @@ use crate::spline_file::{SplineFile, StoredSpline, StoredTSpline};
 use poles::{Poles, Wanted};
 use write::{AtVertices, Written};
 
+pub use edits::TSplineChanges;
 pub(super) use evaluate::evaluate;
 
 /// What refusals call these splines.
@@ -55,11 +57,11 @@ pub(super) fn run(
     enter("fit", clock, observer);
     let fit = fitted(&domain, method, &input, clock, observer)?;
     let report = fit.report;
-    let levels = fit.levels;
     let vertices = domain.mesh().vertex_count();
     let shifts = fit.samples[..vertices].iter().map(|s| s.shift).collect();
     let surface = TSplineSurface::new(domain, shifts, fit.spline);
-    let stored = StoredTSpline::of(&surface, &method.fit.caps, &input.mesh);
+    let stored = StoredTSpline::of(&surface, &method.fit.caps, &fit.levels, &input.mesh);
+    let levels = stored.level_count();
     let file = SplineFile::new(
         super::domain(case, &input),
         options(case, method, &poles.vertices),
@@ -80,11 +82,14 @@ pub(super) fn run(
         .checks
         .extend(measure::boundary(&input.mesh, &at_vertices));
     record.check("rounds", report.rounds);
-    record.check("levels", levels.len());
+    record.check("levels", levels);
     let meshes = [&input.mesh, &at_vertices.mesh];
     steps::distances(&mut record, case, meshes, || {
         measure::distance_to(&surface, &input.mesh, case.seed)
     })?;
+    if let Some(distance) = record.distance {
+        record.check("hausdorff", distance.max);
+    }
     enter("write", clock, observer);
     let written = Written {
         file: &file,
@@ -96,7 +101,7 @@ pub(super) fn run(
     let marks = marks(&surface, &at_vertices);
     let mut output = output(record, file, at_vertices, marks, clock);
     if method.pictures {
-        pictures::add(&mut output, &surface, &levels, &input.mesh);
+        pictures::add(&mut output, &surface, &fit.levels, &input.mesh);
     }
     Ok(output)
 }
@@ -215,6 +220,7 @@ fn errors(record: &mut Record, input: &LoadedInput, at_vertices: &AtVertices) {
     if let Some(error) = record.error_unit_cube {
         record.check("rms_unit_cube", error.rms);
         record.check("max_unit_cube", error.max);
+        record.check("error_unit_cube", error.max);
     }
     let unmeasured = input.mesh.vertex_count() - at_vertices.known.len();
     record.check("unmeasured_vertices", unmeasured);
