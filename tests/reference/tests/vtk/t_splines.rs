@@ -128,7 +128,7 @@ fn spline_files_of_fits_give_the_same_bits() -> Result<(), Failure> {
         surface,
     } in fits()
     {
-        let stored = StoredTSpline::of(&surface, &CapOptions::default(), &mesh);
+        let stored = StoredTSpline::of(&surface, &CapOptions::default(), &[], &mesh);
         let domain = StoredDomain::Embedded {
             mesh: StoredMesh::of(&mesh),
         };
