@@ -18,6 +18,9 @@ use crate::domain::Domain;
 use crate::fit::Sample;
 use crate::surface::TSplineSurface;
 
+/// Weight of what lies between vertices, beside theirs.
+const IN_FACES: f64 = 0.25;
+
 /// Sides longer than this many spacings have points between their ends.
 const LONG: f64 = 1.5;
 
@@ -53,7 +56,8 @@ impl TSplineSurface {
             .into_par_iter()
             .map(|face| {
                 let parts = parts(face);
-                let weight = areas[face as usize] / (f64::from(parts * parts) * per_vertex);
+                let weight =
+                    IN_FACES * areas[face as usize] / (f64::from(parts * parts) * per_vertex);
                 let points = centres(parts).map(|at| SurfacePoint { face, at });
                 let sample = |point: SurfacePoint| Sample {
                     weight,
