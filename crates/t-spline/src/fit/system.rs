@@ -148,6 +148,9 @@ impl System {
                     for (j, q) in seconds[..=i].iter().enumerate() {
                         let product: f64 = p.iter().zip(q).map(|(p, q)| p * q).sum();
                         entries.push((list[i], list[j], factor * product));
+                        if i != j {
+                            entries.push((list[j], list[i], factor * product));
+                        }
                     }
                 }
             }
@@ -382,4 +385,68 @@ fn gauss_points(space: &TSplineSpace) -> Vec<(Point, u32, [f64; 2])> {
     pairs
         .filter_map(|(point, sum)| counts(&point, sum).then_some(point))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use msplines_common::evaluate::Order;
+    use msplines_common::mesh::shapes;
+    use msplines_common::progress::unobserved;
+
+    use super::*;
+    use crate::caps::CapOptions;
+    use crate::domain::{Domain, DomainOptions};
+    use crate::surface::TSplineSurface;
+    use crate::tmesh::{Grid, TMesh};
+
+    /// The fairness is symmetric, and zero for surfaces that are one point, but for nothing else of caps
+    /// that bends.
+    #[test]
+    fn the_fairness_is_that_of_bends() {
+        let mesh = shapes::sphere(900);
+        let options = DomainOptions {
+            poles: vec![0, 400, 800],
+            ..DomainOptions::default()
+        };
+        let domain = Domain::of_surface(&mesh, &options, &mut unobserved()).expect("a domain");
+        let complex = Arc::new(domain.complex().clone());
+        let grids: Vec<Grid> = (complex.cylinders().iter())
+            .map(|cylinder| Grid::of_cells(cylinder, 30.0, 1.0))
+            .collect();
+        let mesh = TMesh::build(&complex, &grids).expect("a mesh");
+        let sorted = Sorted::new(&TSplineSurface::samples(&domain), &mesh);
+        let space = TSplineSpace::build(mesh, &CapOptions::default()).expect("a space");
+        let rows = space.rows(&sorted.points, Order::Value);
+        let fair = System::build(&space, &sorted, &rows, 1.0).fair;
+        let functions = space.functions().len();
+        for column in 0..fair.size() {
+            for (row, value) in fair.column(column) {
+                let twin = fair.place(column as u32, row as u32).expect("both halves");
+                assert_eq!(value, fair.values()[twin], "{row} {column}");
+            }
+        }
+        let energy = |control: &[f64]| -> f64 {
+            let columns = (0..fair.size()).map(|c| {
+                let products = fair.column(c).map(|(row, value)| value * control[row]);
+                control[c] * products.sum::<f64>()
+            });
+            columns.sum()
+        };
+        let mut one = vec![0.0; fair.size()];
+        one[..functions].fill(1.0);
+        for cap in space.caps().caps() {
+            let from = functions + cap.offset as usize;
+            one[from] = 1.0;
+            let scale: f64 = fair.diagonal().iter().sum();
+            assert!(energy(&one).abs() < 1e-12 * scale, "{}", energy(&one));
+            for place in 0..cap.coefficients() {
+                let mut monomial = vec![0.0; fair.size()];
+                monomial[from + place] = 1.0;
+                // The first three are constant and linear.
+                assert_eq!(energy(&monomial) > 0.0, place > 2, "{place}");
+            }
+        }
+    }
 }
