@@ -50,6 +50,19 @@ pub struct Companion {
     pub fields: Vec<VertexAttribute>,
 }
 
+impl Companion {
+    /// Returns a surface beside the spline without anything.
+    pub(super) fn bare(name: &'static str) -> Self {
+        Self {
+            name,
+            mesh: None,
+            edges: Vec::new(),
+            creases: Vec::new(),
+            fields: Vec::new(),
+        }
+    }
+}
+
 /// Runs a case whose method is a sparse manifold.
 pub(super) fn run(
     case: &Case,

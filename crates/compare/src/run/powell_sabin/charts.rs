@@ -8,7 +8,7 @@ use msplines_powell_sabin::{PowellSabinSurface, Tessellation};
 use serde_json::json;
 
 use super::edits::{nearest, place};
-use super::pictures::{bare, edges_on_surface};
+use super::pictures::edges_on_surface;
 use crate::record::{Checks, named};
 use crate::run::{Companion, RunOutput};
 
@@ -172,7 +172,7 @@ fn flat(mesh: &TriangleMesh, charts: &[Chart; 2]) -> Companion {
         edges: msplines_picture::edges(&faces),
         mesh: TriangleMesh::build(positions, faces).ok(),
         creases,
-        ..bare("charts")
+        ..Companion::bare("charts")
     }
 }
 

@@ -23,16 +23,16 @@ pub(super) fn companions(spline: &PowellSabinSurface, shown: &Tessellation) -> V
     let mesh = TriangleMesh::build(triangles.concat(), faces.collect());
     let control = Companion {
         mesh: mesh.ok(),
-        ..bare("control")
+        ..Companion::bare("control")
     };
     let domain = Companion {
         mesh: Some(spline.mesh().clone()),
         edges: msplines_picture::edges(spline.mesh().faces()),
-        ..bare("input")
+        ..Companion::bare("input")
     };
     let curves = Companion {
         edges: edges_on_surface(shown),
-        ..bare("spline")
+        ..Companion::bare("spline")
     };
     vec![domain, control, curves]
 }
@@ -72,18 +72,7 @@ pub(super) fn refinement(spline: &PowellSabinSurface) -> Companion {
         mesh: TriangleMesh::build(positions, faces).ok(),
         edges,
         creases,
-        ..bare("refinement")
-    }
-}
-
-/// A surface beside the spline without anything.
-pub(super) fn bare(name: &'static str) -> Companion {
-    Companion {
-        name,
-        mesh: None,
-        edges: Vec::new(),
-        creases: Vec::new(),
-        fields: Vec::new(),
+        ..Companion::bare("refinement")
     }
 }
 

@@ -6,7 +6,7 @@ use msplines_t_spline::Domain;
 use msplines_t_spline::complex::Cylinder;
 use msplines_t_spline::domain::Patch;
 
-use super::pictures::{NET, bare};
+use super::pictures::NET;
 use crate::output::NORMALS;
 use crate::run::{CHECKERS, Companion};
 
@@ -62,7 +62,7 @@ fn companion(positions: Vec<Point3<f64>>, normals: &[Vector3<f64>]) -> Companion
     Companion {
         mesh: TriangleMesh::build(positions, faces.collect()).ok(),
         fields: NORMALS.into_iter().zip(0..).map(component).collect(),
-        ..bare(NET)
+        ..Companion::bare(NET)
     }
 }
 

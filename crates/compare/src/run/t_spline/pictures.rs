@@ -106,16 +106,6 @@ fn chosen(levels: &[Level]) -> Vec<&Level> {
     chosen
 }
 
-pub(super) fn bare(name: &'static str) -> Companion {
-    Companion {
-        name,
-        mesh: None,
-        edges: Vec::new(),
-        creases: Vec::new(),
-        fields: Vec::new(),
-    }
-}
-
 /// Returns a colour for every cylinder, different where two touch.
 fn palette(complex: &CylinderComplex) -> Vec<[u8; 3]> {
     let mut touching = Vec::new();
@@ -188,6 +178,6 @@ fn control(spline: &TSpline) -> Companion {
     Companion {
         mesh: positions.and_then(|positions| TriangleMesh::build(positions, faces).ok()),
         edges: mesh.edges().iter().map(|edge| edge.ends).collect(),
-        ..bare(CONTROL)
+        ..Companion::bare(CONTROL)
     }
 }
