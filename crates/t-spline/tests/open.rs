@@ -7,15 +7,13 @@
 #[path = "../../../tests/library.rs"]
 mod library;
 
-use std::sync::Arc;
-
 use msplines_common::evaluate::Order;
 use msplines_common::mesh::{TriangleMesh, shapes};
 use msplines_common::progress::unobserved;
 use msplines_t_spline::caps::CapOptions;
 use msplines_t_spline::domain::{Domain, DomainOptions};
-use msplines_t_spline::fit::{Fit, FitError};
-use msplines_t_spline::{FitOptions, Sample, Stop, TSplineSurface, fit};
+use msplines_t_spline::fit::{FitError, FittedSurface};
+use msplines_t_spline::{FitOptions, Sampling, Stop, TSplineSurface};
 
 fn cut(mesh: &TriangleMesh, poles: &[u32]) -> Domain {
     let options = DomainOptions {
@@ -25,26 +23,18 @@ fn cut(mesh: &TriangleMesh, poles: &[u32]) -> Domain {
     Domain::of_surface(mesh, &options, &mut unobserved()).expect("a domain")
 }
 
-fn fitted(domain: &Domain, mesh: &TriangleMesh, points: usize) -> Result<Fit, FitError> {
+fn fitted(domain: Domain, mesh: &TriangleMesh, stop: Stop) -> Result<FittedSurface, FitError> {
     let options = FitOptions {
-        stop: Stop::ControlPoints(points),
+        stop,
         ..FitOptions::default()
     };
-    let mut samples = TSplineSurface::samples(domain);
-    samples.extend(domain.poles().iter().map(|pole| Sample {
-        movable: false,
-        ..Sample::vertex(pole.at, mesh.positions()[pole.vertex as usize])
-    }));
-    let complex = Arc::new(domain.complex().clone());
-    fit(&complex, &samples, &options, &mut unobserved())
+    let sampling = Sampling::default();
+    TSplineSurface::fit(domain, mesh, &sampling, &options, &mut unobserved())
 }
 
 fn surface(mesh: &TriangleMesh, poles: &[u32], points: usize) -> TSplineSurface {
-    let domain = cut(mesh, poles);
-    let fit = fitted(&domain, mesh, points).expect("a surface");
-    let vertices = domain.mesh().vertex_count();
-    let shifts = fit.samples[..vertices].iter().map(|s| s.shift).collect();
-    TSplineSurface::new(domain, shifts, fit.spline)
+    let fitted = fitted(cut(mesh, poles), mesh, Stop::ControlPoints(points));
+    fitted.expect("a surface").surface
 }
 
 /// Root mean squares of the errors of all vertices and of those at the boundary, over the longest side of the
@@ -124,13 +114,14 @@ fn the_least_budget_named_is_enough_and_one_less_is_not() {
     ];
     for (mesh, poles) in cases {
         let domain = cut(&mesh, &poles);
-        let Err(FitError::Budget { given: 1, least }) = fitted(&domain, &mesh, 1) else {
+        let within = |points| fitted(domain.clone(), &mesh, Stop::ControlPoints(points));
+        let Err(FitError::Budget { given: 1, least }) = within(1) else {
             panic!("one control point is too few")
         };
-        let found = fitted(&domain, &mesh, least).expect("the least budget");
+        let found = within(least).expect("the least budget");
         assert_eq!(found.report.unknowns, least);
         let given = least - 1;
-        let error = fitted(&domain, &mesh, given).expect_err("one less");
+        let error = within(given).expect_err("one less");
         assert_eq!(error, FitError::Budget { given, least });
         assert!(error.to_string().contains(&format!("at least {least}")));
     }
@@ -141,13 +132,7 @@ fn a_tolerance_of_nothing_is_refused() {
     let mesh = shapes::bowl(600);
     let domain = cut(&mesh, &[]);
     for given in [0.0, -1.0, f64::INFINITY] {
-        let options = FitOptions {
-            stop: Stop::Tolerance(given),
-            ..FitOptions::default()
-        };
-        let samples = TSplineSurface::samples(&domain);
-        let complex = Arc::new(domain.complex().clone());
-        let found = fit(&complex, &samples, &options, &mut unobserved());
+        let found = fitted(domain.clone(), &mesh, Stop::Tolerance(given));
         assert_eq!(found.err(), Some(FitError::Tolerance { given }));
     }
 }

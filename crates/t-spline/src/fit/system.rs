@@ -398,7 +398,7 @@ mod tests {
     use super::*;
     use crate::caps::CapOptions;
     use crate::domain::{Domain, DomainOptions};
-    use crate::surface::TSplineSurface;
+    use crate::options::{Sampling, Stop};
     use crate::tmesh::{Grid, TMesh};
 
     /// The fairness is symmetric, and zero for surfaces that are one point, but for nothing else of caps
@@ -415,8 +415,9 @@ mod tests {
         let grids: Vec<Grid> = (complex.cylinders().iter())
             .map(|cylinder| Grid::of_cells(cylinder, 30.0, 1.0))
             .collect();
+        let samples = Sampling::default().samples(&domain, &mesh, Stop::ControlPoints(400));
         let mesh = TMesh::build(&complex, &grids).expect("a mesh");
-        let sorted = Sorted::new(&TSplineSurface::samples(&domain), &mesh);
+        let sorted = Sorted::new(&samples.expect("samples"), &mesh);
         let space = TSplineSpace::build(mesh, &CapOptions::default()).expect("a space");
         let rows = space.rows(&sorted.points, Order::Value);
         let fair = System::build(&space, &sorted, &rows, 1.0).fair;
