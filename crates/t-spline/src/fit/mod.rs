@@ -11,6 +11,7 @@
 
 mod correction;
 mod error;
+mod fairness;
 mod marking;
 mod refine;
 mod samples;
