@@ -77,19 +77,20 @@ fn measured(name: &str, mesh: &TriangleMesh, surface: &TSplineSurface) -> ([f64;
     (errors, turned)
 }
 
-/// Surface, control points, and bounds on the errors: a quarter above what was measured.
+/// Surface, control points, and bounds on the errors: a quarter above what was measured. Flat faces are sampled
+/// too, which a smooth surface through the vertices does not lie in: those are met less well than by themselves.
 #[test]
 fn boundaries_are_met_as_well_as_the_rest() {
     for (name, mesh, points, [all, boundary]) in [
-        ("bowl", shapes::bowl(2000), 200, [9.5e-5, 9.2e-6]),
-        ("vase", shapes::vase(2000), 400, [7.5e-4, 6.3e-4]),
+        ("bowl", shapes::bowl(2000), 200, [1.38e-4, 1.73e-5]),
+        ("vase", shapes::vase(2000), 400, [4.73e-4, 4.35e-4]),
         ("sheet", shapes::height_field(1600), 300, [2.5e-4, 5.6e-4]),
-        ("pants", shapes::pants(2000), 400, [6e-5, 5e-5]),
+        ("pants", shapes::pants(2000), 400, [6.7e-5, 9.05e-5]),
         (
             "torus with a hole",
             shapes::holed_torus(2000),
             300,
-            [1.2e-4, 3.3e-5],
+            [2.67e-4, 1.44e-4],
         ),
     ] {
         let surface = surface(&mesh, &[], points);
@@ -161,11 +162,11 @@ fn closed_holes_stay_open_in_triangles_and_in_files() {
 #[test]
 fn open_models_are_met_at_their_boundaries() {
     let cases: [(&str, &[u32], usize, [f64; 2]); 5] = [
-        ("bunny_35k_open", &[], 1300, [8.5e-4, 9.2e-4]),
-        ("bunny_35k_open", &[12527, 14447], 1300, [1.08e-3, 1.2e-3]),
+        ("bunny_35k_open", &[], 1300, [8.5e-4, 8.6e-4]),
+        ("bunny_35k_open", &[12527, 14447], 1300, [8.4e-4, 9e-4]),
         ("maxplanck_8k7_open", &[], 800, [9.6e-4, 1.32e-3]),
-        ("face_4k", &[], 800, [4.15e-4, 4.4e-4]),
-        ("mushroom_open", &[], 500, [1.29e-4, 1.47e-4]),
+        ("face_4k", &[], 800, [4.15e-4, 4.2e-4]),
+        ("mushroom_open", &[], 500, [1.29e-4, 1.63e-4]),
     ];
     for (name, poles, points, [all, boundary]) in cases {
         if let Some(mesh) = library::model(name) {
