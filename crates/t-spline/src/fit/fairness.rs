@@ -32,11 +32,11 @@ const SQUARED_RADII: [(f64, f64); 3] = [
 const ANGLES: u32 = 16;
 
 /// Samples on a leaf from which on its plate is not stiffer than others.
-const ENOUGH_ON_LEAF: f64 = 8.0;
+const ENOUGH_ON_LEAF: f64 = 4.0;
 /// The same for each coefficient of a cap.
-const ENOUGH_PER_COEFFICIENT: f64 = 4.0;
-/// How many times stiffer a plate without samples is: with 100 surfaces stray twice as far, with 10,000 errors at
-/// vertices grow by a tenth.
+const ENOUGH_PER_COEFFICIENT: f64 = 2.0;
+/// How many times stiffer a plate without samples is: on happy_buddha_25k with 100 faces are off by three times as
+/// much at their worst, with 10,000 by five times; errors at vertices stay within 1 %.
 const STIFFER: f64 = 1000.0;
 
 /// Weights of the plates of leaves and of caps.
@@ -168,6 +168,6 @@ mod tests {
         let weight = 1e-7 * samples.len() as f64 / leaves.len() as f64;
         assert!((found[0] / weight - 1001.0).abs() < 1e-9);
         assert!(found.windows(2).all(|pair| pair[1] <= pair[0]));
-        assert!(found[8..].iter().all(|w| *w == weight) && found[7] > weight);
+        assert!(found[4..].iter().all(|w| *w == weight) && found[3] > weight);
     }
 }
