@@ -1,11 +1,11 @@
 //! `msplines fit t-spline` and what `msplines reshape` does with its splines.
 
 use msplines_common::{Point3, Vector3};
-use msplines_compare::case::{Case, DomainStorage, FaceSamples, Input, Method, TSplineMethod};
+use msplines_compare::case::{Case, DomainStorage, Input, Method, TSplineMethod};
 use msplines_compare::run::TSplineChanges;
 use msplines_t_spline::edit::Drag;
 use msplines_t_spline::fit::Correction;
-use msplines_t_spline::{FitOptions, Stop};
+use msplines_t_spline::{FitOptions, Sampling, Stop};
 
 use crate::arguments::{Reshape, Solver, TSpline, Toggle};
 use crate::session::Session;
@@ -45,7 +45,7 @@ pub(crate) fn case(arguments: &TSpline, session: &Session) -> Case {
             },
             ..defaults
         },
-        face_samples: FaceSamples {
+        face_samples: Sampling {
             per_control_point: arguments.face_samples,
         },
         tessellate: arguments.tessellate,

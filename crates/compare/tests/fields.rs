@@ -1,18 +1,17 @@
 //! Panels of fields, drawn from a stored surface with attributes of its own.
 
+#[path = "drawn/report.rs"]
+mod report;
+
 use std::path::Path;
 
 use msplines_common::Point3;
 use msplines_common::mesh::{VertexAttribute, shapes};
-use msplines_compare::campaign::{ItemReport, Report, RowReport, RowResult, Sources, Times};
+use msplines_compare::campaign::Report;
 use msplines_compare::case::Input;
 use msplines_compare::experiment::Experiment;
-use msplines_compare::machine::Machine;
-use msplines_compare::models::Provenance;
-use msplines_compare::record::{Record, Tool};
-use msplines_compare::report::PageOptions;
+use msplines_compare::record::Record;
 use msplines_compare::report::viewer::Viewer;
-use msplines_compare::verdict::Judgement;
 use msplines_io::{Surface, write_surface};
 
 const SURFACE: &str = "bumpy-sphere-5k";
@@ -94,51 +93,16 @@ fn report(files: &Path, panels: &[&str]) -> Report {
     let panels: String = panels.iter().map(panel).collect();
     let text = format!("{HEAD}{figure}{panels}");
     let experiment = Experiment::parse(&text, "p/i.toml").expect("an experiment");
-    let row = experiment.rows[0].clone();
     let record: Record = serde_json::from_str(RECORD).expect("a record");
-    let row = RowReport {
-        provenance: Provenance::Generated,
-        command: String::new(),
-        judgement: Judgement::of(&row, Provenance::Generated, &record),
-        result: RowResult::Done(Box::new(record)),
-        trace: None,
-        sources: Some(Sources {
-            input: Input::Surface(SURFACE.parse().expect("a surface")),
-            files: files.to_owned(),
-            view: None,
-        }),
-        row,
-    };
-    Report {
-        schema: String::new(),
-        tool: Tool::this(),
-        machine: Machine::this(),
-        times: Times::Comparable,
-        seconds: 0.0,
-        items: vec![ItemReport {
-            paper: experiment.paper,
-            item: experiment.item,
-            title: experiment.title,
-            notes: experiment.notes,
-            seconds: 0.0,
-            columns: experiment.columns,
-            rows: vec![row],
-            properties: experiment.properties,
-            figures: experiment.figures,
-            plots: experiment.plots,
-        }],
-    }
+    let input = Input::Surface(SURFACE.parse().expect("a surface"));
+    let row = report::of_row(&experiment.rows[0], record, input, files.to_owned());
+    report::of_item(experiment, vec![row])
 }
 
 /// Writes the report into `folder` and returns its page and the bytes of its figure.
 fn written(report: &Report, folder: &Path, pixels: usize) -> (String, Vec<u8>) {
-    let options = PageOptions {
-        experiments: folder,
-        pixels,
-        viewer: &Viewer::Script("// none".to_owned()),
-    };
-    msplines_compare::report::write(report, folder, &options).expect("written");
-    let page = std::fs::read_to_string(folder.join("index.html")).expect("a page");
+    let viewer = Viewer::Script("// none".to_owned());
+    let page = report::page(report, folder, pixels, &viewer);
     let picture = std::fs::read(folder.join("pictures/p-i-f.png")).unwrap_or_default();
     (page, picture)
 }

@@ -1,20 +1,18 @@
 //! Solids as rows of experiments: run, written, and drawn.
 
+#[path = "drawn/report.rs"]
+mod report;
+
 use std::path::Path;
 use std::time::Instant;
 
 use msplines_common::progress::unobserved;
-use msplines_compare::campaign::{ItemReport, Report, RowReport, RowResult, Sources, Times};
 use msplines_compare::case::Input;
 use msplines_compare::experiment::{Ancestors, Experiment};
-use msplines_compare::machine::Machine;
-use msplines_compare::models::Provenance;
 use msplines_compare::output::write_row_files;
-use msplines_compare::record::{InputKind, Tool};
-use msplines_compare::report::PageOptions;
+use msplines_compare::record::InputKind;
 use msplines_compare::report::viewer::Viewer;
 use msplines_compare::run::{RunOutput, run};
-use msplines_compare::verdict::Judgement;
 
 const HEAD: &str = r#"
 schema = "msplines.experiment/1"
@@ -54,46 +52,10 @@ fn ran(experiment: &Experiment) -> (Input, RunOutput) {
 fn page(experiment: Experiment, input: Input, output: RunOutput, folder: &Path) -> String {
     let files = folder.join("files");
     write_row_files(&files, &output).expect("written");
-    let row = experiment.rows[0].clone();
-    let report = RowReport {
-        provenance: Provenance::Generated,
-        command: String::new(),
-        judgement: Judgement::of(&row, Provenance::Generated, &output.record),
-        result: RowResult::Done(Box::new(output.record)),
-        trace: None,
-        sources: Some(Sources {
-            input,
-            files,
-            view: None,
-        }),
-        row,
-    };
-    let report = Report {
-        schema: String::new(),
-        tool: Tool::this(),
-        machine: Machine::this(),
-        times: Times::Comparable,
-        seconds: 0.0,
-        items: vec![ItemReport {
-            paper: experiment.paper,
-            item: experiment.item,
-            title: experiment.title,
-            notes: experiment.notes,
-            seconds: 0.0,
-            columns: experiment.columns,
-            rows: vec![report],
-            properties: experiment.properties,
-            figures: experiment.figures,
-            plots: experiment.plots,
-        }],
-    };
-    let options = PageOptions {
-        experiments: folder,
-        pixels: 300,
-        viewer: &Viewer::Script("// none".to_owned()),
-    };
-    msplines_compare::report::write(&report, folder, &options).expect("written");
-    std::fs::read_to_string(folder.join("index.html")).expect("a page")
+    let row = report::of_row(&experiment.rows[0], output.record, input, files);
+    let report = report::of_item(experiment, vec![row]);
+    let viewer = Viewer::Script("// none".to_owned());
+    report::page(&report, folder, 300, &viewer)
 }
 
 const TILES: &str = "show = \"field\"\non = \"input\"\nfield = \"tile\"\ncolours = \"cells\"";

@@ -5,6 +5,20 @@
 //! A [`CylinderComplex`] holds that in exact integers; a T-mesh of boxes on it carries one cubic T-spline
 //! without a seam.
 //!
+//! ```
+//! use msplines_common::mesh::shapes;
+//! use msplines_common::progress::unobserved;
+//! use msplines_t_spline::{Domain, DomainOptions, FitOptions, Sampling, Stop, TSplineSurface};
+//!
+//! let mesh = shapes::torus(1.0, 0.4, 500);
+//! let domain = Domain::of_surface(&mesh, &DomainOptions::default(), &mut unobserved())?;
+//! let options = FitOptions { stop: Stop::ControlPoints(150), ..FitOptions::default() };
+//! let sampling = Sampling::default();
+//! let fitted = TSplineSurface::fit(domain, &mesh, &sampling, &options, &mut unobserved())?;
+//! assert_eq!(fitted.report.unknowns, fitted.surface.spline().control().len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Reference
 //! [He2006].
 
@@ -30,7 +44,7 @@ pub mod tmesh;
 
 pub use complex::CylinderComplex;
 pub use domain::{Domain, DomainOptions};
-pub use fit::{Fit, FitError, FitOptions, Sample, Stop, fit};
+pub use fit::{Fit, FitError, FitOptions, FittedSurface, Sample, Sampling, Stop, fit};
 pub use parts::SurfaceParts;
 pub use space::TSplineSpace;
 pub use spline::TSpline;

@@ -48,6 +48,16 @@ pub enum Solver {
     },
 }
 
+/// How densely a surface is sampled for a fit: all its vertices and poles are taken, and faces that are too
+/// large for the number of control points are sampled inside.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Sampling {
+    /// Samples wanted per control point of the budget, 0 to [`Sampling::MOST_PER_CONTROL_POINT`]; with a
+    /// tolerance faces are sampled as densely as vertices lie on average. 0 leaves it at vertices and poles.
+    pub per_control_point: f64,
+}
+
 /// How a fit refines.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -89,6 +99,14 @@ impl Default for Correction {
             steps: 2,
             from: 0.5,
             last: 40,
+        }
+    }
+}
+
+impl Default for Sampling {
+    fn default() -> Self {
+        Self {
+            per_control_point: 8.0,
         }
     }
 }

@@ -286,13 +286,13 @@ mod tests {
 
     use super::*;
     use crate::domain::DomainOptions;
-    use crate::fit::{FitOptions, Stop, fit};
+    use crate::fit::{FitOptions, FittedSurface, Sampling, Stop};
 
     fn surface(mesh: &TriangleMesh, poles: Vec<u32>) -> TSplineSurface {
-        fitted(mesh, poles).0
+        fitted(mesh, poles).surface
     }
 
-    fn fitted(mesh: &TriangleMesh, poles: Vec<u32>) -> (TSplineSurface, Vec<Level>) {
+    fn fitted(mesh: &TriangleMesh, poles: Vec<u32>) -> FittedSurface {
         let options = DomainOptions {
             poles,
             ..DomainOptions::default()
@@ -302,18 +302,17 @@ mod tests {
             stop: Stop::ControlPoints(400),
             ..FitOptions::default()
         };
-        let samples = TSplineSurface::samples(&domain);
-        let complex = Arc::new(domain.complex().clone());
-        let fit = fit(&complex, &samples, &options, &mut unobserved()).expect("a surface");
-        let shifts = fit.samples.iter().map(|s| s.shift).collect();
-        (TSplineSurface::new(domain, shifts, fit.spline), fit.levels)
+        let sampling = Sampling::default();
+        let fitted = TSplineSurface::fit(domain, mesh, &sampling, &options, &mut unobserved());
+        fitted.expect("a surface")
     }
 
     #[test]
     fn every_level_is_that_of_the_fit_to_the_bit() {
         let sphere = shapes::sphere(900);
         for (mesh, poles) in [(shapes::genus(2, 2000), Vec::new()), (sphere, vec![0, 400])] {
-            let (given, levels) = fitted(&mesh, poles);
+            let fitted = fitted(&mesh, poles);
+            let (given, levels) = (fitted.surface, fitted.levels);
             let parts = given.parts(&CapOptions::default()).with_levels(&levels);
             assert!(levels.len() > 2 && parts.levels.len() + 1 == levels.len());
             for (index, level) in levels.iter().enumerate() {

@@ -18,18 +18,8 @@ use rayon::prelude::*;
 
 use crate::complex::{Point, UNITS};
 use crate::domain::Domain;
-use crate::fit::Sample;
 use crate::space::Rows;
 use crate::spline::{SurfaceSamples, TSpline};
-
-/// Weight of a vertex at a zero, which cannot move to where the surface would be nearer: the others
-/// around it can, and follow. With 1 it is where bunny_30k is met worst (0.64 % instead of 0.45 %); 5 and
-/// 100 do as well.
-const AT_ZERO: f64 = 20.0;
-
-/// Weight of a vertex at the boundary, which has neighbours on one side only: on scans it takes a twentieth to
-/// three fifths off the errors there, and leaves those elsewhere.
-const AT_BOUNDARY: f64 = 4.0;
 
 /// A T-spline, the mesh that it approximates, and how the one lies over the other.
 #[derive(Clone, Debug)]
@@ -53,34 +43,6 @@ impl TSplineSurface {
             shifts,
             spline,
         }
-    }
-
-    /// Returns the vertices of a domain as samples of a fit, by vertex: added ones count as points on faces,
-    /// those at boundaries weigh more, those at zeros too and stay where they are, and those inside of closed
-    /// holes weigh nothing. The centres of poles may follow, which no vertex of the mesh is.
-    #[must_use]
-    pub fn samples(domain: &Domain) -> Vec<Sample> {
-        let positions = domain.mesh().positions().iter().enumerate();
-        let mut samples: Vec<Sample> = positions
-            .map(|(v, &position)| Sample {
-                measured: domain.origins()[v].is_some(),
-                ..Sample::vertex(domain.vertex(v as u32), position)
-            })
-            .collect();
-        for vertex in domain.boundary_vertices() {
-            samples[vertex as usize].weight = AT_BOUNDARY;
-        }
-        for zero in domain.zeros() {
-            let sample = &mut samples[zero.vertex as usize];
-            sample.movable = false;
-            sample.weight = AT_ZERO;
-        }
-        for (sample, own) in samples.iter_mut().zip(domain.vertices_on_surface()) {
-            if !own {
-                (sample.weight, sample.movable) = (0.0, false);
-            }
-        }
-        samples
     }
 
     /// Returns the domain.

@@ -7,15 +7,13 @@
 #[path = "../../../tests/library.rs"]
 mod library;
 
-use std::sync::Arc;
-
 use msplines_common::evaluate::Order;
 use msplines_common::mesh::{TriangleMesh, shapes};
 use msplines_common::progress::unobserved;
 use msplines_t_spline::caps::CapOptions;
 use msplines_t_spline::domain::{Domain, DomainOptions};
-use msplines_t_spline::fit::{Fit, FitError};
-use msplines_t_spline::{FitOptions, Sample, Stop, TSplineSurface, fit};
+use msplines_t_spline::fit::{FitError, FittedSurface};
+use msplines_t_spline::{FitOptions, Sampling, Stop, TSplineSurface};
 
 fn cut(mesh: &TriangleMesh, poles: &[u32]) -> Domain {
     let options = DomainOptions {
@@ -25,26 +23,18 @@ fn cut(mesh: &TriangleMesh, poles: &[u32]) -> Domain {
     Domain::of_surface(mesh, &options, &mut unobserved()).expect("a domain")
 }
 
-fn fitted(domain: &Domain, mesh: &TriangleMesh, points: usize) -> Result<Fit, FitError> {
+fn fitted(domain: Domain, mesh: &TriangleMesh, stop: Stop) -> Result<FittedSurface, FitError> {
     let options = FitOptions {
-        stop: Stop::ControlPoints(points),
+        stop,
         ..FitOptions::default()
     };
-    let mut samples = TSplineSurface::samples(domain);
-    samples.extend(domain.poles().iter().map(|pole| Sample {
-        movable: false,
-        ..Sample::vertex(pole.at, mesh.positions()[pole.vertex as usize])
-    }));
-    let complex = Arc::new(domain.complex().clone());
-    fit(&complex, &samples, &options, &mut unobserved())
+    let sampling = Sampling::default();
+    TSplineSurface::fit(domain, mesh, &sampling, &options, &mut unobserved())
 }
 
 fn surface(mesh: &TriangleMesh, poles: &[u32], points: usize) -> TSplineSurface {
-    let domain = cut(mesh, poles);
-    let fit = fitted(&domain, mesh, points).expect("a surface");
-    let vertices = domain.mesh().vertex_count();
-    let shifts = fit.samples[..vertices].iter().map(|s| s.shift).collect();
-    TSplineSurface::new(domain, shifts, fit.spline)
+    let fitted = fitted(cut(mesh, poles), mesh, Stop::ControlPoints(points));
+    fitted.expect("a surface").surface
 }
 
 /// Root mean squares of the errors of all vertices and of those at the boundary, over the longest side of the
@@ -87,19 +77,20 @@ fn measured(name: &str, mesh: &TriangleMesh, surface: &TSplineSurface) -> ([f64;
     (errors, turned)
 }
 
-/// Surface, control points, and bounds on the errors: a quarter above what was measured.
+/// Surface, control points, and bounds on the errors: a quarter above what was measured. Flat faces are sampled
+/// too, which a smooth surface through the vertices does not lie in: those are met less well than by themselves.
 #[test]
 fn boundaries_are_met_as_well_as_the_rest() {
     for (name, mesh, points, [all, boundary]) in [
-        ("bowl", shapes::bowl(2000), 200, [9.5e-5, 9.2e-6]),
-        ("vase", shapes::vase(2000), 400, [7.5e-4, 6.3e-4]),
+        ("bowl", shapes::bowl(2000), 200, [1.38e-4, 1.73e-5]),
+        ("vase", shapes::vase(2000), 400, [4.73e-4, 4.35e-4]),
         ("sheet", shapes::height_field(1600), 300, [2.5e-4, 5.6e-4]),
-        ("pants", shapes::pants(2000), 400, [6e-5, 5e-5]),
+        ("pants", shapes::pants(2000), 400, [6.7e-5, 9.05e-5]),
         (
             "torus with a hole",
             shapes::holed_torus(2000),
             300,
-            [1.2e-4, 3.3e-5],
+            [2.67e-4, 1.44e-4],
         ),
     ] {
         let surface = surface(&mesh, &[], points);
@@ -124,13 +115,14 @@ fn the_least_budget_named_is_enough_and_one_less_is_not() {
     ];
     for (mesh, poles) in cases {
         let domain = cut(&mesh, &poles);
-        let Err(FitError::Budget { given: 1, least }) = fitted(&domain, &mesh, 1) else {
+        let within = |points| fitted(domain.clone(), &mesh, Stop::ControlPoints(points));
+        let Err(FitError::Budget { given: 1, least }) = within(1) else {
             panic!("one control point is too few")
         };
-        let found = fitted(&domain, &mesh, least).expect("the least budget");
+        let found = within(least).expect("the least budget");
         assert_eq!(found.report.unknowns, least);
         let given = least - 1;
-        let error = fitted(&domain, &mesh, given).expect_err("one less");
+        let error = within(given).expect_err("one less");
         assert_eq!(error, FitError::Budget { given, least });
         assert!(error.to_string().contains(&format!("at least {least}")));
     }
@@ -141,13 +133,7 @@ fn a_tolerance_of_nothing_is_refused() {
     let mesh = shapes::bowl(600);
     let domain = cut(&mesh, &[]);
     for given in [0.0, -1.0, f64::INFINITY] {
-        let options = FitOptions {
-            stop: Stop::Tolerance(given),
-            ..FitOptions::default()
-        };
-        let samples = TSplineSurface::samples(&domain);
-        let complex = Arc::new(domain.complex().clone());
-        let found = fit(&complex, &samples, &options, &mut unobserved());
+        let found = fitted(domain.clone(), &mesh, Stop::Tolerance(given));
         assert_eq!(found.err(), Some(FitError::Tolerance { given }));
     }
 }
@@ -176,11 +162,11 @@ fn closed_holes_stay_open_in_triangles_and_in_files() {
 #[test]
 fn open_models_are_met_at_their_boundaries() {
     let cases: [(&str, &[u32], usize, [f64; 2]); 5] = [
-        ("bunny_35k_open", &[], 1300, [8.5e-4, 9.2e-4]),
-        ("bunny_35k_open", &[12527, 14447], 1300, [1.08e-3, 1.2e-3]),
+        ("bunny_35k_open", &[], 1300, [8.5e-4, 8.6e-4]),
+        ("bunny_35k_open", &[12527, 14447], 1300, [8.4e-4, 9e-4]),
         ("maxplanck_8k7_open", &[], 800, [9.6e-4, 1.32e-3]),
-        ("face_4k", &[], 800, [4.15e-4, 4.4e-4]),
-        ("mushroom_open", &[], 500, [1.29e-4, 1.47e-4]),
+        ("face_4k", &[], 800, [4.15e-4, 4.2e-4]),
+        ("mushroom_open", &[], 500, [1.29e-4, 1.63e-4]),
     ];
     for (name, poles, points, [all, boundary]) in cases {
         if let Some(mesh) = library::model(name) {

@@ -1,11 +1,9 @@
 //! T-splines that are fitted to whole surfaces.
 
-use std::sync::Arc;
-
 use msplines_common::mesh::{TriangleMesh, shapes};
 use msplines_common::progress::unobserved;
 use msplines_t_spline::domain::{Domain, DomainOptions};
-use msplines_t_spline::{FitOptions, Sample, Stop, TSplineSurface, fit};
+use msplines_t_spline::{FitOptions, Sampling, Stop, TSplineSurface};
 
 use crate::meshes;
 
@@ -39,23 +37,16 @@ pub fn whole(name: &str, mesh: TriangleMesh, poles: &[u32], most: usize) -> Whol
     };
     let domain = Domain::of_surface(&mesh, &options, &mut unobserved());
     let domain = domain.unwrap_or_else(|error| panic!("{name}: {error}"));
-    let mut samples = TSplineSurface::samples(&domain);
-    let vertices = samples.len();
-    samples.extend(domain.poles().iter().map(|pole| Sample {
-        movable: false,
-        ..Sample::vertex(pole.at, mesh.positions()[pole.vertex as usize])
-    }));
     let options = FitOptions {
         stop: Stop::ControlPoints(most),
         ..FitOptions::default()
     };
-    let complex = Arc::new(domain.complex().clone());
-    let found = fit(&complex, &samples, &options, &mut unobserved());
-    let found = found.unwrap_or_else(|error| panic!("{name}: {error}"));
-    let shifts = found.samples[..vertices].iter().map(|s| s.shift).collect();
+    let sampling = Sampling::default();
+    let fitted = TSplineSurface::fit(domain, &mesh, &sampling, &options, &mut unobserved());
+    let fitted = fitted.unwrap_or_else(|error| panic!("{name}: {error}"));
     Whole {
         name: name.to_owned(),
-        surface: TSplineSurface::new(domain, shifts, found.spline),
+        surface: fitted.surface,
         mesh,
     }
 }

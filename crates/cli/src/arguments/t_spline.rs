@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use msplines_compare::case::{FaceSamples, Form, Puncture};
+use msplines_compare::case::{Form, Puncture};
+use msplines_t_spline::Sampling;
 
 /// `msplines fit t-spline`.
 #[derive(Debug, Args)]
@@ -35,7 +36,7 @@ pub(crate) struct TSpline {
     pub(crate) fairness: Option<f64>,
     /// Samples wanted per control point: faces too large for that are sampled inside, and 0 leaves it at
     /// the vertices.
-    #[arg(long, value_name = "N", default_value_t = FaceSamples::default().per_control_point)]
+    #[arg(long, value_name = "N", default_value_t = Sampling::default().per_control_point)]
     pub(crate) face_samples: f64,
     /// How the systems are solved: the paper iterates.
     #[arg(long, value_enum, default_value_t = Solver::Factorisation)]

@@ -24,7 +24,7 @@ pub use edit::{Edit, Move};
 pub use manifold::{ChartMethod, Creases, CurveNetworkMethod, Polygons, SparseManifoldMethod};
 pub use powell_sabin::{BasisFunction, Layout, PowellSabinMethod, SplineEdit};
 pub use solid::{Cut, Filler, LatticeMove, SolidMap, TrivariateMethod};
-pub use t_spline::{FaceSamples, NamedPuncture, Puncture, PunctureError, TSplineMethod};
+pub use t_spline::{NamedPuncture, Puncture, PunctureError, TSplineMethod};
 
 /// One run: an input, the data on it, a method with its options, and what to write.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

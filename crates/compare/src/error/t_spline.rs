@@ -25,14 +25,6 @@ pub enum TSplineError {
         /// What was asked for, as a fraction.
         given: f64,
     },
-    /// Samples per control point beyond what is of use.
-    #[error("--face-samples {given}: give 0 to {most} samples per control point")]
-    FaceSamples {
-        /// What was asked for.
-        given: f64,
-        /// The most there may be.
-        most: f64,
-    },
     /// A vertex that the input does not have.
     #[error("--puncture {vertex}: the mesh has {vertices} vertices, counted from 0")]
     NoSuchVertex {
@@ -71,9 +63,11 @@ impl TSplineError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Fit(
-                FitError::Budget { .. } | FitError::Tolerance { .. } | FitError::Option { .. },
+                FitError::Budget { .. }
+                | FitError::Tolerance { .. }
+                | FitError::Sampling { .. }
+                | FitError::Option { .. },
             )
-            | Self::FaceSamples { .. }
             | Self::Tolerance { .. }
             | Self::NoSuchVertex { .. }
             | Self::Edit(_)

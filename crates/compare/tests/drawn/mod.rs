@@ -1,20 +1,17 @@
 //! Figures drawn from the rows of an experiment that need no model.
 
+mod report;
+
 use std::path::Path;
 use std::time::Instant;
 
 use msplines_common::progress::unobserved;
-use msplines_compare::campaign::{ItemReport, Report, RowReport, RowResult, Sources, Times};
+use msplines_compare::campaign::RowReport;
 use msplines_compare::case::Input;
 use msplines_compare::experiment::{Ancestors, Experiment, Row};
-use msplines_compare::machine::Machine;
-use msplines_compare::models::Provenance;
 use msplines_compare::output::write_row_files;
-use msplines_compare::record::Tool;
-use msplines_compare::report::PageOptions;
 use msplines_compare::report::viewer::Viewer;
 use msplines_compare::run::run;
-use msplines_compare::verdict::Judgement;
 
 /// Returns the text of a figure of a paper.
 pub(crate) fn text(paper: &str, item: &str) -> String {
@@ -32,24 +29,13 @@ fn ran(row: &Row, folder: &Path) -> RowReport {
     let output = output.unwrap_or_else(|error| panic!("{}: {error}", row.id));
     let files = folder.join(&row.id);
     write_row_files(&files, &output).expect("written");
-    let judgement = Judgement::of(row, Provenance::Generated, &output.record);
-    assert_eq!(judgement.failure(), None, "{}", row.id);
-    RowReport {
-        provenance: Provenance::Generated,
-        command: String::new(),
-        judgement,
-        result: RowResult::Done(Box::new(output.record)),
-        trace: None,
-        sources: Some(Sources {
-            input: match input {
-                Input::Surface(surface) => Input::Surface(surface),
-                other => panic!("{other:?} is no surface"),
-            },
-            files,
-            view: None,
-        }),
-        row: row.clone(),
-    }
+    assert!(
+        matches!(input, Input::Surface(_)),
+        "{input:?} is no surface"
+    );
+    let report = report::of_row(row, output.record, input, files);
+    assert_eq!(report.judgement.failure(), None, "{}", row.id);
+    report
 }
 
 /// Runs the generated rows of an experiment, draws its figures of them, and returns its page.
@@ -63,30 +49,8 @@ pub(crate) fn page(text: &str) -> String {
     assert!(!experiment.figures.is_empty(), "{}", experiment.item);
     let folder = tempfile::tempdir().expect("a temporary folder");
     let rows = experiment.rows.iter().map(|row| ran(row, folder.path()));
-    let report = Report {
-        schema: String::new(),
-        tool: Tool::this(),
-        machine: Machine::this(),
-        times: Times::Comparable,
-        seconds: 0.0,
-        items: vec![ItemReport {
-            rows: rows.collect(),
-            paper: experiment.paper,
-            item: experiment.item,
-            title: experiment.title,
-            notes: experiment.notes,
-            seconds: 0.0,
-            columns: experiment.columns,
-            properties: experiment.properties,
-            figures: experiment.figures,
-            plots: experiment.plots,
-        }],
-    };
-    let options = PageOptions {
-        experiments: folder.path(),
-        pixels: 60,
-        viewer: &Viewer::Absent("a test".to_owned()),
-    };
-    msplines_compare::report::write(&report, folder.path(), &options).expect("written");
-    std::fs::read_to_string(folder.path().join("index.html")).expect("a page")
+    let rows: Vec<RowReport> = rows.collect();
+    let report = report::of_item(experiment, rows);
+    let viewer = Viewer::Absent("a test".to_owned());
+    report::page(&report, folder.path(), 60, &viewer)
 }

@@ -20,7 +20,8 @@ use super::tables::{Joint, Tables};
 pub struct SnapOptions {
     /// Height below which a cylinder is collapsed.
     pub thin: f64,
-    /// Length of a joint below which a collapse is not made: it would leave a double zero.
+    /// Length of a joint below which a collapse is not made, if that is also less than half of the height that
+    /// vanishes: it would bring two zeros much nearer to each other.
     pub sliver: f64,
     /// Distance in `u` of a zero on the top from one on the bottom below which the cylinder is twisted
     /// so that it vanishes; a cylinder is never sheared by more than a quarter.
@@ -32,6 +33,11 @@ pub struct SnapOptions {
 
 /// Largest turn of a top over the height.
 const SHEAR: f64 = 0.25;
+
+/// Least distance of two zeros on one level, over the height that they lay apart before: at 0.1 their caps
+/// become too narrow, at more fewer cylinders are collapsed, and on a surface of genus 22 errors at vertices grow
+/// by a twentieth from 0.25 to 1.
+const NEARER: f64 = 0.5;
 
 impl Default for SnapOptions {
     fn default() -> Self {
@@ -123,6 +129,7 @@ impl Snapped {
             if !is_beside || tables.heights[gone as usize] < 0 {
                 return false;
             }
+            let sliver = sliver.min(NEARER * self.tables.heights[cylinder as usize] as f64);
             let Some(rows) = overlay(&mut tables, gone, sliver) else {
                 return false;
             };

@@ -50,11 +50,8 @@ pub(super) fn correct(spline: &TSpline, sorted: &mut Sorted, rows: &Rows) -> f64
             );
             let longest = leaf.size().map(|s| 0.5 * s as f64 / UNITS);
             let excess = (step.x.abs() / longest[0]).max(step.y.abs() / longest[1]);
-            walked(
-                complex,
-                sample.at,
-                [step.x, step.y].map(|d| d / excess.max(1.0) * UNITS),
-            )
+            let step = [step.x, step.y].map(|d| d / excess.max(1.0) * UNITS);
+            walked(complex, sorted.beginning(i), step).unwrap_or((sample.at, [0.0; 2]))
         })
         .collect();
     let points: Vec<Point> = tried.iter().map(|t| t.0).collect();
@@ -73,18 +70,24 @@ pub(super) fn correct(spline: &TSpline, sorted: &mut Sorted, rows: &Rows) -> f64
     moved as f64 / sorted.samples.len() as f64
 }
 
-/// Returns where a way leads, and the way: along a border where the surface ends.
-fn walked(complex: &CylinderComplex, from: Point, way: [f64; 2]) -> (Point, [f64; 2]) {
-    if way.iter().any(|d| !d.is_finite()) {
-        return (from, [0.0; 2]);
+/// Returns where a sample comes that began at a point, has moved and makes one more step, and the step: along
+/// a border where the surface ends. Nothing if there is no way.
+///
+/// The whole way is walked straight on from the beginning: what is known of a sample at the end is how far it has moved,
+/// and a way in steps may pass a zero on the other side.
+fn walked(
+    complex: &CylinderComplex,
+    (from, moved): (Point, [f64; 2]),
+    step: [f64; 2],
+) -> Option<(Point, [f64; 2])> {
+    if step.iter().any(|d| !d.is_finite()) {
+        return None;
     }
-    match complex.walk(from, way) {
-        (to, None) => (to, way),
-        (_, Some(_)) => {
-            let along = [way[0], 0.0];
-            (complex.walk(from, along).0, along)
-        }
-    }
+    let tried = [step, [step[0], 0.0]].into_iter().map(|step| {
+        let (to, stopped) = complex.walk(from, [0, 1].map(|k| moved[k] + step[k]));
+        stopped.is_none().then_some((to, step))
+    });
+    tried.flatten().next()
 }
 
 fn step([xx, xy, yy]: [f64; 3], [x, y]: [f64; 2]) -> Vector2<f64> {
@@ -93,4 +96,40 @@ fn step([xx, xy, yy]: [f64; 3], [x, y]: [f64; 2]) -> Vector2<f64> {
     matrix
         .cholesky()
         .map_or(Vector2::zeros(), |c| c.solve(&Vector2::new(x, y)))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::complex::{Beyond, Segment};
+    use crate::samples::double_zero;
+
+    use super::*;
+
+    /// In two steps past a zero one may come to another place than straight on: samples are where their whole
+    /// way leads.
+    #[test]
+    fn samples_are_where_their_whole_way_leads() {
+        let complex = double_zero(0.2345);
+        let own = &complex.cylinders()[0];
+        let is_narrow = |s: &&Segment| matches!(s.beyond, Beyond::Cylinder { cylinder: 1, .. });
+        // Where the wide cylinder begins to border on the narrow one there is a zero.
+        let narrow = own.top.iter().find(is_narrow).expect("a border");
+        let from = Point {
+            cylinder: 0,
+            x: narrow.start as f64 - 0.01 * UNITS,
+            y: own.height as f64 - 0.01 * UNITS,
+        };
+        let (first, second) = (
+            [0.005 * UNITS, 0.03 * UNITS],
+            [0.04 * UNITS, -0.005 * UNITS],
+        );
+        let (there, way) = walked(&complex, (from, [0.0; 2]), first).expect("a way");
+        assert_eq!((there, way), (complex.walk(from, first).0, first));
+        let (to, way) = walked(&complex, (from, first), second).expect("a way");
+        assert_eq!(way, second);
+        let whole = [0, 1].map(|k| first[k] + second[k]);
+        assert_eq!(to, complex.walk(from, whole).0);
+        // The zero lies between the two ways.
+        assert_ne!(to.cylinder, complex.walk(there, second).0.cylinder);
+    }
 }

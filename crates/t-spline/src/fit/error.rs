@@ -44,6 +44,16 @@ pub enum FitError {
         /// The one given.
         given: f64,
     },
+    /// Samples per control point beyond what is of use.
+    #[error(
+        "{given} samples are wanted per control point; give 0, for vertices and poles alone, to {most}"
+    )]
+    Sampling {
+        /// Those wanted.
+        given: f64,
+        /// The most there may be.
+        most: f64,
+    },
     /// Options out of their range.
     #[error("{option} must be {range}, not {given}")]
     Option {

@@ -11,9 +11,11 @@
 
 mod correction;
 mod error;
+mod fairness;
 mod marking;
 mod refine;
 mod samples;
+mod surface;
 mod system;
 mod task;
 #[cfg(test)]
@@ -27,9 +29,10 @@ use msplines_common::evaluate::Order;
 use msplines_common::progress::{Observer, Outcome, Progress};
 use serde::{Deserialize, Serialize};
 
-pub use crate::options::{Correction, FitOptions, Refinement, Solver, Stop};
+pub use crate::options::{Correction, FitOptions, Refinement, Sampling, Solver, Stop};
 pub use error::FitError;
 pub use samples::Sample;
+pub use surface::FittedSurface;
 
 use crate::complex::CylinderComplex;
 use crate::space::{Rows, TSplineSpace};
@@ -87,7 +90,8 @@ pub struct FitReport {
     pub errors: Errors,
 }
 
-/// Fits a surface to samples.
+/// Fits a surface to samples; [`TSplineSurface::fit`](crate::TSplineSurface::fit) does so to those of a whole
+/// mesh.
 ///
 /// `observer` sees the phase `fit` with the root mean square error as its objective; a break ends with
 /// the surface that was reached. The cost of a round is that of the rows of all samples and a sparse

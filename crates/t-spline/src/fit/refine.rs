@@ -10,8 +10,9 @@ use crate::space::TSplineSpace;
 /// Rounds after which no fit goes on.
 const MOST_ROUNDS: u32 = 200;
 
-/// How many times more than elsewhere errors in a cap may be, as roots of mean squares. Without a bound
-/// the error of happy_buddha_25k at 4,000 control points doubles; between 1.1 and 2.5 it changes by 3 %.
+/// How many times more than elsewhere errors in a cap may be, as roots of mean squares. With 2.5 or without
+/// a bound happy_buddha_25k is met to 0.055 % and 0.62 % at 4,000 control points (rms, max), with 1.5 to
+/// 0.048 % and 0.31 %, with 1.1 to 0.048 % and 0.28 %.
 const WORSE_CAP: f64 = 1.5;
 /// Shares of the control points between which caps become narrower.
 const NARROWING: std::ops::Range<f64> = 0.5..0.85;

@@ -44,6 +44,8 @@ pub(super) struct Sorted {
     pub(super) points: Vec<Point>,
     /// Which one of those given each is.
     pub(super) origins: Vec<u32>,
+    /// Where those given began, and how far they had moved then.
+    beginnings: Vec<(Point, [f64; 2])>,
     /// Those on leaf `i` are `starts[i]..starts[i + 1]`.
     pub(super) starts: Vec<u32>,
 }
@@ -54,6 +56,7 @@ impl Sorted {
             samples: samples.to_vec(),
             points: Vec::new(),
             origins: (0..samples.len() as u32).collect(),
+            beginnings: samples.iter().map(|s| (s.at, s.shift)).collect(),
             starts: Vec::new(),
         };
         sorted.sort(mesh);
@@ -84,6 +87,13 @@ impl Sorted {
         self.origins = order.iter().map(|&i| self.origins[i as usize]).collect();
         self.points = self.samples.iter().map(|s| s.at).collect();
         self.starts = starts;
+    }
+
+    /// Returns where a sample began, and how far it has moved from there.
+    pub(super) fn beginning(&self, place: usize) -> (Point, [f64; 2]) {
+        let (from, before) = self.beginnings[self.origins[place] as usize];
+        let shift = self.samples[place].shift;
+        (from, [0, 1].map(|k| shift[k] - before[k]))
     }
 
     /// Returns the sum of all weights.

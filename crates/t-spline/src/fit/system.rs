@@ -9,40 +9,23 @@
 //! matrix, and its entries have a fixed place in the large one.
 //!
 //! # Reference
-//! [He2006] Eq. (3). Deviations: the polynomial of a cap has a plate in its own coordinate; the plate of a leaf is measured in the lengths of the leaf, so that it is
-//! as stiff on a large leaf as on a small one; the paper's, in units of the form, would be stiffer by the
-//! fourth power of how much the map compresses.
+//! [He2006] Eq. (3).
 
 use msplines_common::Vector3;
 use msplines_common::linalg::{
     CgTolerance, Cholesky, FactorError, Mat, Ordering, OrderingError, Symbolic, SymmetricMatrix,
     conjugate_gradient,
 };
-use nalgebra::Complex;
 use rayon::prelude::*;
 
+use super::fairness::{self, Weights};
 use super::samples::Sorted;
-use crate::caps::{Jet, monomials};
-use crate::complex::{Point, UNITS};
+use crate::complex::Point;
 use crate::options::Solver;
 use crate::space::{Row, Rows, TSplineSpace};
 
 /// What is added to the scaled diagonal, all ones: enough to make functions that nothing holds zero.
 const RIDGE: f64 = 1e-11;
-/// Points of Gauss's rule of two.
-const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
-
-/// Sum of the functions of a space at a point from which on few are missing.
-const MOST_OF_THEM: f64 = 0.5;
-/// Squared radii and weights of Gauss's rule of three over the unit disk, and angles: exact for squares of
-/// second derivatives up to degree 7.
-const SQUARED_RADII: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_3, 5.0 / 18.0),
-    (0.5, 8.0 / 18.0),
-    (0.887_298_334_620_741_7, 5.0 / 18.0),
-];
-const ANGLES: u32 = 16;
-
 /// The equations of one T-mesh.
 pub(super) struct System {
     /// Unknowns on each leaf, ascending.
@@ -67,7 +50,7 @@ impl System {
     /// Lays out the equations of a space, with the fairness in it.
     pub(super) fn build(space: &TSplineSpace, sorted: &Sorted, rows: &Rows, fairness: f64) -> Self {
         let leaves = space.mesh().leaves().len();
-        let gauss = gauss_points(space);
+        let gauss = fairness::gauss_points(space);
         let plates = space.rows_without_caps(&gauss.iter().map(|g| g.0).collect::<Vec<_>>());
         let unknowns: Vec<Vec<u32>> = (0..leaves)
             .into_par_iter()
@@ -101,10 +84,12 @@ impl System {
             fair: empty,
             factor: None,
         };
-        let weight = fairness * sorted.weight() / leaves as f64;
-        system.add_plates(&gauss, &plates, weight);
-        for (cap, list) in space.caps().caps().iter().zip(&caps) {
-            system.add_cap_plate(cap.degree, list, weight);
+        let weights = Weights::new(space, sorted, fairness);
+        system.add_plates(&gauss, &plates, &weights.leaves);
+        for ((cap, list), weight) in space.caps().caps().iter().zip(&caps).zip(weights.caps) {
+            system
+                .fair
+                .add_to_entries(&fairness::of_cap(cap.degree, list, weight));
         }
         system
     }
@@ -118,44 +103,18 @@ impl System {
         })
     }
 
-    fn add_plates(&mut self, gauss: &[(Point, u32, [f64; 2])], rows: &Rows, weight: f64) {
+    fn add_plates(&mut self, gauss: &[(Point, u32, [f64; 2])], rows: &Rows, weights: &[f64]) {
         let mut locals: Vec<Local> = self.unknowns.iter().map(|l| Local::zero(l.len())).collect();
         for (i, &(_, leaf, [w, h])) in gauss.iter().enumerate() {
             let (row, list) = (rows.row(i), &self.unknowns[leaf as usize]);
+            let weight = 0.25 * weights[leaf as usize];
             let scales = [w * w, w * h * std::f64::consts::SQRT_2, h * h];
             for (k, scale) in scales.into_iter().enumerate() {
                 let entry = |j: usize| scale * row.second[j][k];
-                locals[leaf as usize].add(list, &row, entry, 0.25 * weight, None);
+                locals[leaf as usize].add(list, &row, entry, weight, None);
             }
         }
         scatter(self.fair.values_mut(), &self.places, &locals);
-    }
-
-    /// Adds the mean over a cap of the squared second derivatives of its polynomial by `w`.
-    fn add_cap_plate(&mut self, degree: u8, list: &[u32], weight: f64) {
-        let mut entries = Vec::new();
-        for (node, share) in SQUARED_RADII {
-            for step in 0..ANGLES {
-                let angle = std::f64::consts::TAU * f64::from(step) / f64::from(ANGLES);
-                let w = Complex::from_polar(node.sqrt(), angle);
-                let mut seconds = vec![[0.0; 3]; list.len()];
-                let by_w = [Complex::new(1.0, 0.0), Complex::new(0.0, 0.0)];
-                monomials(degree, w, by_w, |place, Jet([.., xx, xy, yy])| {
-                    seconds[place] = [xx, std::f64::consts::SQRT_2 * xy, yy];
-                });
-                let factor = weight * share / f64::from(ANGLES);
-                for (i, p) in seconds.iter().enumerate() {
-                    for (j, q) in seconds[..=i].iter().enumerate() {
-                        let product: f64 = p.iter().zip(q).map(|(p, q)| p * q).sum();
-                        entries.push((list[i], list[j], factor * product));
-                        if i != j {
-                            entries.push((list[j], list[i], factor * product));
-                        }
-                    }
-                }
-            }
-        }
-        self.fair.add_to_entries(&entries);
     }
 
     /// Returns the unknowns that fit the samples best.
@@ -355,38 +314,6 @@ fn cap_unknowns(space: &TSplineSpace) -> Vec<Vec<u32>> {
         .collect()
 }
 
-/// Returns four points on each leaf, the leaf, and its sides in units of the form's 1; in the cores of caps
-/// only where leaves reach out of them. The T-spline counts by itself, as if there were no caps: what
-/// one all but hides must not be free.
-fn gauss_points(space: &TSplineSpace) -> Vec<(Point, u32, [f64; 2])> {
-    let leaves = space.mesh().leaves().iter().enumerate();
-    let points = leaves.flat_map(|(index, leaf)| {
-        let [w, h] = leaf.size().map(|s| s as f64);
-        GAUSS
-            .into_iter()
-            .flat_map(move |s| GAUSS.map(|t| [s, t]))
-            .map(move |[s, t]| {
-                let point = Point {
-                    cylinder: leaf.cylinder,
-                    x: leaf.x[0] as f64 + s * w,
-                    y: leaf.y[0] as f64 + t * h,
-                };
-                (point, index as u32, [w / UNITS, h / UNITS])
-            })
-    });
-    let points: Vec<(Point, u32, [f64; 2])> = points.collect();
-    let sums = space.sums(&points.iter().map(|p| p.0).collect::<Vec<_>>());
-    let counts = |(point, ..): &(Point, u32, [f64; 2]), sum: f64| {
-        let cap = space.caps().at(*point);
-        // Functions inside of cores are none of the space.
-        cap.is_none_or(|cap| cap.rest.0[0] > 0.0) || sum > MOST_OF_THEM
-    };
-    let pairs = points.into_iter().zip(sums);
-    pairs
-        .filter_map(|(point, sum)| counts(&point, sum).then_some(point))
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -398,7 +325,7 @@ mod tests {
     use super::*;
     use crate::caps::CapOptions;
     use crate::domain::{Domain, DomainOptions};
-    use crate::surface::TSplineSurface;
+    use crate::options::{Sampling, Stop};
     use crate::tmesh::{Grid, TMesh};
 
     /// The fairness is symmetric, and zero for surfaces that are one point, but for nothing else of caps
@@ -415,8 +342,9 @@ mod tests {
         let grids: Vec<Grid> = (complex.cylinders().iter())
             .map(|cylinder| Grid::of_cells(cylinder, 30.0, 1.0))
             .collect();
+        let samples = Sampling::default().samples(&domain, &mesh, Stop::ControlPoints(400));
         let mesh = TMesh::build(&complex, &grids).expect("a mesh");
-        let sorted = Sorted::new(&TSplineSurface::samples(&domain), &mesh);
+        let sorted = Sorted::new(&samples.expect("samples"), &mesh);
         let space = TSplineSpace::build(mesh, &CapOptions::default()).expect("a space");
         let rows = space.rows(&sorted.points, Order::Value);
         let fair = System::build(&space, &sorted, &rows, 1.0).fair;

@@ -282,11 +282,19 @@ fn surfaces_over_meshes_are_the_fit_at_vertices_and_continuous_between() {
     ] {
         let domain = Domain::of_surface(&mesh, &DomainOptions::default(), &mut unobserved());
         let domain = domain.expect("a domain");
-        let samples = TSplineSurface::samples(&domain);
+        let (options, sampling) = (budget(most), Sampling::default());
+        let samples = sampling.samples(&domain, &mesh, options.stop);
         let complex = Arc::new(domain.complex().clone());
-        let found = fit(&complex, &samples, &budget(most), &mut unobserved()).expect("a fit");
-        let shifts = found.samples.iter().map(|s| s.shift).collect();
-        let surface = TSplineSurface::new(domain, shifts, found.spline.clone());
+        let found = fit(
+            &complex,
+            &samples.expect("samples"),
+            &options,
+            &mut unobserved(),
+        );
+        let found = found.expect("a fit");
+        let whole = TSplineSurface::fit(domain, &mesh, &sampling, &options, &mut unobserved());
+        let surface = whole.expect("a surface").surface;
+        assert_eq!(*surface.spline(), found.spline);
         let mesh = surface.domain().mesh();
         for face in 0..mesh.face_count() as u32 {
             let at = [1.0, 0.0, 0.0];

@@ -17,7 +17,7 @@ use msplines_common::mesh::{TriangleMesh, shapes};
 use msplines_common::progress::unobserved;
 use msplines_t_spline::complex::{CylinderComplex, Point};
 use msplines_t_spline::domain::{Domain, DomainOptions};
-use msplines_t_spline::{FitOptions, Sample, Stop, TSpline, TSplineSurface, fit};
+use msplines_t_spline::{FitOptions, Sampling, Stop, TSpline, TSplineSurface};
 
 /// Models, their poles and numbers of control points.
 const MODELS: [(&str, &[u32], usize); 4] = [
@@ -42,22 +42,15 @@ fn whole(name: &str, mesh: &TriangleMesh, poles: &[u32], most: usize) -> Whole {
         ..DomainOptions::default()
     };
     let domain = Domain::of_surface(mesh, &options, &mut unobserved()).expect("a domain");
-    let mut samples = TSplineSurface::samples(&domain);
-    let vertices = samples.len();
-    samples.extend(domain.poles().iter().map(|pole| Sample {
-        movable: false,
-        ..Sample::vertex(pole.at, mesh.positions()[pole.vertex as usize])
-    }));
     let options = FitOptions {
         stop: Stop::ControlPoints(most),
         ..FitOptions::default()
     };
-    let complex = Arc::new(domain.complex().clone());
-    let found = fit(&complex, &samples, &options, &mut unobserved()).expect("a fit");
-    let shifts = found.samples[..vertices].iter().map(|s| s.shift).collect();
+    let sampling = Sampling::default();
+    let fitted = TSplineSurface::fit(domain, mesh, &sampling, &options, &mut unobserved());
     Whole {
         name: name.to_owned(),
-        surface: TSplineSurface::new(domain, shifts, found.spline),
+        surface: fitted.expect("a fit").surface,
     }
 }
 

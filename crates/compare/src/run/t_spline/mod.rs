@@ -9,14 +9,12 @@ mod poles;
 mod tiles;
 mod write;
 
-use std::sync::Arc;
-
 use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::progress::Observer;
 use msplines_t_spline::domain::DomainOptions;
-use msplines_t_spline::fit::Fit;
-use msplines_t_spline::{Domain, FitOptions, Sample, Stop, TSplineSurface};
+use msplines_t_spline::fit::FittedSurface;
+use msplines_t_spline::{Domain, FitOptions, Stop, TSplineSurface};
 use serde_json::{Value, json};
 
 use super::{RunOutput, enter, prepared, steps};
@@ -35,8 +33,6 @@ pub(super) use evaluate::evaluate;
 
 /// What refusals call these splines.
 const SPLINE: &str = "a T-spline";
-/// Most samples per control point.
-const MOST_PER_CONTROL_POINT: f64 = 1000.0;
 
 /// Runs a case whose method is a T-spline.
 pub(super) fn run(
@@ -55,12 +51,8 @@ pub(super) fn run(
     let domain = domain(case, method, &input, &wanted.vertices, clock, observer)?;
     let poles = Poles::of(&domain, &wanted);
     enter("fit", clock, observer);
-    let fit = fitted(&domain, method, &input, clock, observer)?;
-    let report = fit.report;
-    let vertices = domain.mesh().vertex_count();
-    let shifts = fit.samples[..vertices].iter().map(|s| s.shift).collect();
-    let surface = TSplineSurface::new(domain, shifts, fit.spline);
-    let stored = StoredTSpline::of(&surface, &method.fit.caps, &fit.levels, &input.mesh);
+    let fit = fitted(domain, method, &input, clock, observer)?;
+    let stored = StoredTSpline::of(&fit.surface, &method.fit.caps, &fit.levels, &input.mesh);
     let levels = stored.level_count();
     let file = SplineFile::new(
         super::domain(case, &input),
@@ -74,14 +66,14 @@ pub(super) fn run(
     enter("measure", clock, observer);
     let mut record = record_of(&input, &file, &surface, case.seed);
     errors(&mut record, &input, &at_vertices);
-    record.outcome = report.outcome;
+    record.outcome = fit.report.outcome;
     record.warnings.extend(input.warnings.iter().cloned());
     record.warnings.extend(poles.warnings);
     record.checks.extend(measure::surface(&surface, case.seed));
     record
         .checks
         .extend(measure::boundary(&input.mesh, &at_vertices));
-    record.check("rounds", report.rounds);
+    record.check("rounds", fit.report.rounds);
     record.check("levels", levels);
     let meshes = [&input.mesh, &at_vertices.mesh];
     steps::distances(&mut record, case, meshes, || {
@@ -127,14 +119,14 @@ fn domain(
     Ok(domain?)
 }
 
-/// Fits a surface to the vertices of the domain and to the poles.
+/// Fits a surface; a tolerance is a share of the longest side of the bounding box.
 fn fitted(
-    domain: &Domain,
+    domain: Domain,
     method: &TSplineMethod,
     input: &LoadedInput,
     clock: &mut PhaseClock,
     observer: &mut Observer<'_>,
-) -> Result<Fit, RunError> {
+) -> Result<FittedSurface, RunError> {
     let [low, high] = input.mesh.bounding_box();
     let options = FitOptions {
         stop: match method.fit.stop {
@@ -143,27 +135,10 @@ fn fitted(
         },
         ..method.fit
     };
-    let mut samples = TSplineSurface::samples(domain);
-    samples.extend(domain.poles().iter().map(|pole| Sample {
-        movable: false,
-        ..Sample::vertex(pole.at, input.mesh.positions()[pole.vertex as usize])
-    }));
-    samples.extend(face_samples(domain, method, input));
-    let complex = Arc::new(domain.complex().clone());
     let mut timed = following(&["fit"], clock, observer);
-    let fit = msplines_t_spline::fit(&complex, &samples, &options, &mut timed);
-    Ok(fit?)
-}
-
-/// Samples inside of faces that are large for the number of control points.
-fn face_samples(domain: &Domain, method: &TSplineMethod, input: &LoadedInput) -> Vec<Sample> {
-    let ratio = method.face_samples.per_control_point;
-    let wanted = match method.fit.stop {
-        _ if ratio == 0.0 => return Vec::new(),
-        Stop::ControlPoints(most) => (ratio * most as f64) as usize,
-        Stop::Tolerance(_) => 0,
-    };
-    TSplineSurface::face_samples(domain, &input.mesh, wanted)
+    let sampling = &method.face_samples;
+    let found = TSplineSurface::fit(domain, &input.mesh, sampling, &options, &mut timed);
+    Ok(found?)
 }
 
 /// Tasks, data and options that mean nothing here are refused, and outputs before any work.
@@ -174,14 +149,7 @@ fn check(case: &Case, method: &TSplineMethod) -> Result<(), RunError> {
     {
         return Err(TSplineError::Tolerance { given }.into());
     }
-    let given = method.face_samples.per_control_point;
-    if !(0.0..=MOST_PER_CONTROL_POINT).contains(&given) {
-        return Err(TSplineError::FaceSamples {
-            given,
-            most: MOST_PER_CONTROL_POINT,
-        }
-        .into());
-    }
+    method.face_samples.check().map_err(TSplineError::from)?;
     write::check(&case.outputs, method.tessellate)
 }
 

@@ -3,7 +3,7 @@
 use msplines_t_spline::SurfaceParts;
 use serde::Deserialize;
 
-use super::{StoredForm, StoredLayout, StoredTSpline, Vectors};
+use super::{StoredForm, StoredLayout, StoredTSpline};
 use crate::spline_file::{FaceRun, StoredDomain, StoredMesh, StoredSpline};
 
 /// A file of the first schema.
@@ -32,7 +32,7 @@ impl FirstTSpline {
     pub(in crate::spline_file) fn upgraded(
         self,
     ) -> (StoredDomain, serde_json::Value, StoredSpline) {
-        let (mesh, parts) = (self.data.mesh, self.data.surface);
+        let (mesh, mut parts) = (self.data.mesh, self.data.surface);
         let layout = match mesh {
             Some(mesh) => StoredLayout::whole(mesh, &parts.origins),
             None => StoredLayout {
@@ -40,20 +40,8 @@ impl FirstTSpline {
                 ..StoredLayout::whole(StoredMesh::default(), &parts.origins)
             },
         };
-        let spline = StoredTSpline {
-            mesh: layout,
-            form: StoredForm::HalfEdges(parts.form),
-            ends: parts.ends,
-            outside: parts.outside,
-            snap: parts.snap,
-            shifts: Vectors(parts.shifts),
-            grids: parts.grids,
-            splits: parts.splits,
-            caps: parts.caps,
-            radii: parts.radii,
-            control: parts.control,
-            levels: Vec::new(),
-        };
+        let form = StoredForm::HalfEdges(std::mem::take(&mut parts.form));
+        let spline = StoredTSpline::with_layout(layout, form, parts);
         let spline = StoredSpline::TSpline(Box::new(spline));
         (self.domain, self.options, spline)
     }

@@ -85,14 +85,21 @@ impl StoredTSpline {
     }
 
     fn of_parts(parts: SurfaceParts, own: &TriangleMesh, input: &TriangleMesh) -> Self {
+        let mesh = StoredLayout::of(own, &parts.origins, input);
+        let form = StoredForm::of(own.topology(), &parts.form);
+        Self::with_layout(mesh, form, parts)
+    }
+
+    /// Stores numbers whose form and mesh are `form` and `mesh`.
+    fn with_layout(mesh: StoredLayout, form: StoredForm, parts: SurfaceParts) -> Self {
         let level = |level: LevelParts| StoredLevel {
             splits: level.splits,
             radii: level.radii,
             control: Vectors(level.control),
         };
         Self {
-            mesh: StoredLayout::of(own, &parts.origins, input),
-            form: StoredForm::of(own.topology(), &parts.form),
+            mesh,
+            form,
             ends: parts.ends,
             outside: parts.outside,
             snap: parts.snap,

@@ -1,11 +1,9 @@
 //! T-splines through files.
 
-use std::sync::Arc;
-
 use msplines_common::mesh::shapes;
 use msplines_common::progress::unobserved;
 use msplines_t_spline::domain::{Domain, DomainOptions};
-use msplines_t_spline::{FitOptions, Stop, fit};
+use msplines_t_spline::{FitOptions, Sampling, Stop};
 use serde_json::json;
 
 use super::*;
@@ -21,11 +19,10 @@ fn fitted(mesh: &TriangleMesh, poles: Vec<u32>) -> (TSplineSurface, Vec<Level>) 
         stop: Stop::ControlPoints(400),
         ..FitOptions::default()
     };
-    let samples = TSplineSurface::samples(&domain);
-    let complex = Arc::new(domain.complex().clone());
-    let fit = fit(&complex, &samples, &options, &mut unobserved()).expect("a surface");
-    let shifts = fit.samples.iter().map(|s| s.shift).collect();
-    (TSplineSurface::new(domain, shifts, fit.spline), fit.levels)
+    let sampling = Sampling::default();
+    let fitted = TSplineSurface::fit(domain, mesh, &sampling, &options, &mut unobserved());
+    let fitted = fitted.expect("a surface");
+    (fitted.surface, fitted.levels)
 }
 
 fn through_a_file(stored: StoredTSpline, mesh: &TriangleMesh) -> (StoredTSpline, usize) {

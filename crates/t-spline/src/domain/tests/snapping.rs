@@ -58,12 +58,14 @@ fn a_thin_cylinder_becomes_a_line_and_the_area_stays() {
 
 #[test]
 fn zeros_on_top_of_each_other_are_not_merged() {
-    // 5 apart where 6.9 is a hundredth of the root of the area.
-    let tables = double_torus([6, 300, 500], 5);
-    let snapped = snap(tables, &SnapOptions::default());
+    // 5 apart on one level where 6 lay between: less than 6.9, a hundredth of the root of the area, but not much
+    // nearer.
+    let snapped = snap(double_torus([6, 300, 500], 5), &SnapOptions::default());
+    assert!(snapped.collapsed[0].is_some());
+    let snapped = snap(double_torus([6, 300, 500], 2), &SnapOptions::default());
     assert!(snapped.collapsed.iter().all(Option::is_none));
     assert_eq!(snapped.tables.heights, [6, 300, 500]);
-    // Nor is a cylinder sheared by almost its height.
+    // Nor is a cylinder sheared by a third of its height.
     assert_eq!(snapped.shears[0], 0);
     complex(&snapped.tables, &[false; 3]);
 }
