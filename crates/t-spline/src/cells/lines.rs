@@ -8,7 +8,7 @@
 //! # Notation
 //! Every line has a shift `d`. Two lines that are one, the second `m` units beyond the first, ask for
 //! `d_1 - d_2 = m`. Exact meetings are asked for first, so that they stay exact, then the nearest: a forest of
-//! such differences, in which what would close a ring is left out. Borders between the two ends of a cylinder and
+//! such differences, in which what would close a ring is left out. Ends of cylinders, `x = 0` and
 //! lines through zeros are not shifted.
 
 use std::collections::{BTreeMap, BTreeSet};
