@@ -50,6 +50,7 @@
 //! [He2006] §3.2, Eq. (1). Deviation: the paper gives no cells.
 
 mod error;
+mod lines;
 mod mesh;
 mod patch;
 mod shell;
@@ -129,7 +130,7 @@ impl TSpline {
         }
         let mut patches = tiling::patches(self, options)?;
         patches.sort_by_key(|patch| !patch.is_exact());
-        let tiles: Vec<tile::Tile> = patches.iter().map(|patch| patch.tile).collect();
+        let tiles: Vec<tile::Tile> = patches.iter().map(|patch| patch.cell).collect();
         let mesh = QuadMesh::of_tiles(self.space().mesh().complex(), &tiles);
         let exact = patches.iter().filter(|patch| patch.is_exact()).count();
         let report = CellReport {

@@ -16,6 +16,8 @@ const LEAST_WEIGHT: f64 = 1e-12;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Patch {
     pub(super) tile: Tile,
+    /// The tile in the mesh of all, with lines that may be shifted by a few units.
+    pub(super) cell: Tile,
     pub(super) chart: Chart,
     /// In both directions.
     pub(super) degree: usize,
@@ -49,6 +51,7 @@ impl Patch {
         let whole = sums.iter().all(|s| s.w > LEAST_WEIGHT * largest);
         whole.then(|| Self {
             tile,
+            cell: tile,
             chart: Chart::Plain,
             degree: 3,
             points: sums.iter().map(|s| Point3::from(s.xyz() / s.w)).collect(),
@@ -77,6 +80,7 @@ impl Patch {
         let degree = scheme.nodes.len() - 1;
         let patch = Self {
             tile,
+            cell: tile,
             chart,
             degree,
             points: scheme.coefficients(&values),

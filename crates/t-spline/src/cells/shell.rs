@@ -44,7 +44,7 @@ impl Patch {
         // sides; for others the points are compared at the same coordinates.
         let [low, high] = beside.range;
         let at = low + ((high - low) as f64 * share) as i64;
-        let t = self.tile.parameter(self.chart, beside.side, at);
+        let t = self.cell.parameter(self.chart, beside.side, at);
         let across = if beside.side == 1 || beside.side == 2 {
             1.0
         } else {
@@ -125,7 +125,7 @@ fn face(patch: &Patch) -> BezierFace {
 /// than of a part.
 fn curve(sides: &[Beside], patches: &[Patch], faces: &[BezierFace]) -> BezierCurve {
     let whole = |b: &Beside| {
-        let tile = &patches[b.patch as usize].tile;
+        let tile = &patches[b.patch as usize].cell;
         b.range == [tile.x, tile.y][b.side % 2]
     };
     let rank = |b: &&Beside| (patches[b.patch as usize].is_exact(), whole(b));
@@ -143,6 +143,6 @@ fn curve(sides: &[Beside], patches: &[Patch], faces: &[BezierFace]) -> BezierCur
     }
     let range = best
         .range
-        .map(|c| patch.tile.parameter(patch.chart, best.side, c));
+        .map(|c| patch.cell.parameter(patch.chart, best.side, c));
     curve.piece(range)
 }

@@ -236,3 +236,51 @@ fn what_cannot_be_had_is_refused() {
         assert!(error.to_string().contains("a degree from 3 to 9"));
     }
 }
+
+/// Edges are no shorter, in units: rounding parts what is one line by a few units, and the leaves of these meshes
+/// are wider than a thousand times this.
+const SHORTEST: i64 = 1 << 20;
+
+#[test]
+fn no_edge_is_what_rounding_left() {
+    for (seed, (complex, characteristic)) in closed().into_iter().enumerate() {
+        for splits in [0, 12, 40] {
+            let spline = random_spline(&complex, splits, seed as u64);
+            let work = spline.patchwork(&COARSE).expect("patches");
+            assert_sides_agree(&work.mesh, true);
+            assert_eq!(work.mesh.characteristic(), characteristic);
+            let lengths = work.mesh.edges().iter().map(|edge| edge.length);
+            let shortest = lengths.min().expect("edges");
+            assert!(shortest >= SHORTEST, "{seed}, {splits}: {shortest}");
+        }
+    }
+}
+
+#[test]
+fn tiles_are_shifted_by_rounding_alone() {
+    for (seed, (complex, _)) in closed().into_iter().enumerate() {
+        let spline = random_spline(&complex, 40, seed as u64);
+        let work = spline.patchwork(&COARSE).expect("patches");
+        let mut most = 0;
+        for Patch { tile, cell, .. } in &work.patches {
+            let pairs = [(tile.x, cell.x), (tile.y, cell.y)].into_iter();
+            let ends = pairs.flat_map(|(from, to)| [to[0] - from[0], to[1] - from[1]]);
+            most = ends.map(i64::abs).fold(most, i64::max);
+        }
+        // One unit where two lines meet, and in a chain one for each.
+        assert!(most <= 4, "{seed}: {most}");
+    }
+}
+
+#[test]
+fn lines_that_meet_nowhere_stay() {
+    // Each turn around the torus comes back three units beside its line.
+    let size = (1_i64 << 43) + 77;
+    let complex = Arc::new(CylinderComplex::torus(size, size / 2, 3).expect("a torus"));
+    let spline = random_spline(&complex, 10, 5);
+    let work = spline.patchwork(&COARSE).expect("patches");
+    assert_sides_agree(&work.mesh, true);
+    assert_eq!(work.mesh.characteristic(), 0);
+    let shortest = work.mesh.edges().iter().map(|edge| edge.length).min();
+    assert_eq!(shortest, Some(3));
+}

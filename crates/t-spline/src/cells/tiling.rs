@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::CellOptions;
 use super::error::CellError;
+use super::lines::aligned;
 use super::patch::{Patch, Scheme};
 use super::tile::{Tile, pole_at, pole_depth};
 use crate::complex::Border;
@@ -47,6 +48,12 @@ pub(super) fn patches(spline: &TSpline, options: &CellOptions) -> Result<Vec<Pat
     for found in found {
         patches.extend(found?);
     }
+    let tiles: Vec<Tile> = patches.iter().map(|patch| patch.tile).collect();
+    let cells = aligned(mesh.complex(), &tiles);
+    for (patch, cell) in patches.iter_mut().zip(cells) {
+        patch.cell = cell;
+    }
+    patches.retain(|patch| patch.cell.size().iter().all(|&size| size > 0));
     Ok(patches)
 }
 
