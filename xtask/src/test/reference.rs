@@ -28,9 +28,11 @@ const OWN: &str = "package(msplines-reference)";
 /// nextest's name for all other tests.
 pub(super) const OTHERS: &str = "not package(msplines-reference)";
 /// The tests of this package that need its bindings alone.
-const TESTS: [&str; 7] = [
+const TESTS: [&str; 9] = [
     "openmesh",
     "opensubdiv",
+    "topology",
+    "delaunay",
     "cgal",
     "cholmod",
     "flattening",
