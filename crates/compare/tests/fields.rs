@@ -136,6 +136,7 @@ fn written(report: &Report, folder: &Path, pixels: usize) -> (String, Vec<u8>) {
         experiments: folder,
         pixels,
         viewer: &Viewer::Script("// none".to_owned()),
+        references: &[],
     };
     msplines_compare::report::write(report, folder, &options).expect("written");
     let page = std::fs::read_to_string(folder.join("index.html")).expect("a page");

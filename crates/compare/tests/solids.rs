@@ -91,6 +91,7 @@ fn page(experiment: Experiment, input: Input, output: RunOutput, folder: &Path) 
         experiments: folder,
         pixels: 300,
         viewer: &Viewer::Script("// none".to_owned()),
+        references: &[],
     };
     msplines_compare::report::write(&report, folder, &options).expect("written");
     std::fs::read_to_string(folder.join("index.html")).expect("a page")

@@ -86,6 +86,7 @@ pub(crate) fn page(text: &str) -> String {
         experiments: folder.path(),
         pixels: 60,
         viewer: &Viewer::Absent("a test".to_owned()),
+        references: &[],
     };
     msplines_compare::report::write(&report, folder.path(), &options).expect("written");
     std::fs::read_to_string(folder.path().join("index.html")).expect("a page")
