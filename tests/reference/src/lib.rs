@@ -82,16 +82,13 @@ pub fn cgal_plane_delaunay(points: &[[f64; 2]]) -> Vec<[u32; 3]> {
     faces.as_chunks::<3>().0.to_vec()
 }
 
-/// Returns the ends, the smaller first, and lengths of the edges of CGAL's intrinsic Delaunay
-/// triangulation, ascending.
+/// Returns the ends and the length of each edge of CGAL's intrinsic Delaunay triangulation, in CGAL's
+/// numbering of vertices.
 #[must_use]
 pub fn cgal_intrinsic(mesh: &TriangleMesh) -> Vec<([u32; 2], f64)> {
     let found = bindings::cgal_intrinsic(&flat(mesh.positions()), mesh.faces().as_flattened());
     let (ends, _) = found.ends.as_chunks::<2>();
-    let ends = ends.iter().map(|&[a, b]| [a.min(b), a.max(b)]);
-    let mut edges: Vec<([u32; 2], f64)> = ends.zip(found.lengths).collect();
-    edges.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    edges
+    ends.iter().copied().zip(found.lengths).collect()
 }
 
 /// Returns the places of a disk's vertices by CGAL's discrete harmonic map: those on the boundary are

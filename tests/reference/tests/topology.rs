@@ -62,11 +62,12 @@ fn components_and_boundary_loops_agree() {
             loops.len().abs_diff(theirs.border_lengths.len()),
         ];
         counts.add(&name, apart.map(|apart| apart as f64));
-        let length = |around: &Vec<u32>| {
-            let place = |i: usize| mesh.positions()[around[i % around.len()] as usize];
-            let sides = (0..around.len()).map(|i| (place(i + 1) - place(i)).norm());
-            sides.sum::<f64>()
+        let side = |&half_edge: &u32| {
+            let ends = [topology.origin(half_edge), topology.target(half_edge)];
+            let [a, b] = ends.map(|v| mesh.positions()[v as usize]);
+            (b - a).norm()
         };
+        let length = |around: &Vec<u32>| around.iter().map(side).sum::<f64>();
         let mut ours: Vec<f64> = loops.iter().map(length).collect();
         let mut theirs = theirs.border_lengths;
         ours.sort_by(f64::total_cmp);
