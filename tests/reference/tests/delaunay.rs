@@ -13,9 +13,9 @@ use rand_pcg::Pcg64Mcg;
 type Failure = Box<dyn std::error::Error>;
 
 /// Each flip finds a length from five others; those of slivers lose digits.
-const FLIPS: f64 = 1e-9;
+const FLIPS: f64 = 1e-12;
 /// CGAL finds lengths by half angles, and gives them through an arc cosine.
-const HALF_ANGLES: f64 = 1e-6;
+const HALF_ANGLES: f64 = 1e-12;
 
 /// Returns the ends, the smaller first, and the length of each edge.
 fn edges(found: &IntrinsicTriangulation) -> Vec<([u32; 2], f64)> {
