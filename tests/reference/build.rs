@@ -5,6 +5,8 @@ fn main() {
         "cpp/openmesh.cc",
         "cpp/opensubdiv.cc",
         "cpp/cgal.cc",
+        "cpp/topology.cc",
+        "cpp/delaunay.cc",
         "cpp/distance.cc",
         "cpp/flattening.cc",
         "cpp/solids.cc",

@@ -7,6 +7,7 @@
 )]
 
 mod papers;
+mod references;
 mod repro;
 mod test;
 mod tidy;
@@ -34,6 +35,8 @@ enum Command {
     Tidy,
     /// Collect the citations of the code into the tables of docs/papers.
     Papers(papers::Args),
+    /// Write what comparisons with other people's code found into docs/references.md.
+    References(references::Args),
 }
 
 fn main() -> ExitCode {
@@ -42,6 +45,7 @@ fn main() -> ExitCode {
         Command::Test(args) => test::run(&args),
         Command::Tidy => tidy::run(),
         Command::Papers(args) => papers::run(&args),
+        Command::References(args) => references::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -6,10 +6,12 @@ use std::time::Instant;
 use msplines_compare::campaign::{Campaign, Report, Reuse};
 use msplines_compare::display::{Display, Verbosity};
 use msplines_compare::report::drawing::{DrawingOptions, Views, draw};
+use msplines_compare::report::references::{self, Reference, ReferencesError};
 use msplines_compare::report::viewer::{Viewer, bundle};
 use msplines_compare::report::{self, PageOptions};
 use msplines_compare::row_process::{RowProgram, answer};
 
+use crate::references::RECORDS;
 use crate::tree::root;
 
 /// Arguments of `cargo xtask repro`.
@@ -126,10 +128,19 @@ fn write(report: &Report, args: &Args, root: &Path) -> Result<Vec<PathBuf>, Stri
         experiments: &root.join("data/experiments"),
         pixels: PICTURE,
         viewer: &viewer,
+        references: &compared(root)?,
     };
     let written = report::write(report, &args.out, &options).map_err(|e| e.to_string())?;
     println!("report made in {:.1} s", started.elapsed().as_secs_f64());
     Ok(written)
+}
+
+/// Returns what comparisons with other people's code found, if they ran here.
+fn compared(root: &Path) -> Result<Vec<Reference>, String> {
+    match references::read(&root.join(RECORDS)) {
+        Err(ReferencesError::Absent { .. }) => Ok(Vec::new()),
+        found => found.map_err(|e| e.to_string()),
+    }
 }
 
 /// Returns whether every row ran.

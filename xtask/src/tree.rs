@@ -65,6 +65,13 @@ pub(crate) fn root() -> PathBuf {
         .map_or_else(|| here.to_owned(), Path::to_owned)
 }
 
+/// Returns a page with what stands between two lines replaced, or nothing without them.
+pub(crate) fn replace_between(page: &str, [begin, end]: [&str; 2], text: &str) -> Option<String> {
+    let (before, rest) = page.split_once(begin)?;
+    let (_, after) = rest.split_once(end)?;
+    Some(format!("{before}{begin}\n{text}{end}{after}"))
+}
+
 /// Reads all text files of the project under `root`, sorted by path.
 pub(crate) fn read(root: &Path) -> Result<Vec<File>, String> {
     let mut files = Vec::new();

@@ -4,6 +4,7 @@
 #include <OpenMesh/Core/System/config.h>
 #include <OpenMesh/Tools/Subdivider/Uniform/CatmullClarkT.hh>
 #include <OpenMesh/Tools/Subdivider/Uniform/LoopT.hh>
+#include <OpenMesh/Tools/Subdivider/Uniform/ModifiedButterFlyT.hh>
 
 #include <string>
 #include <vector>
@@ -51,6 +52,25 @@ std::size_t count_boundary_loops(const Mesh& mesh) {
   return loops;
 }
 
+// Returns the surface after one round.
+template <class Subdivider>
+Surface subdivided(Positions positions, Faces faces) {
+  Mesh mesh;
+  build(positions, faces, mesh);
+  Subdivider subdivider;
+  subdivider.attach(mesh);
+  subdivider(1);
+  subdivider.detach();
+  Surface surface;
+  for (const auto vertex : mesh.vertices()) {
+    for (int axis = 0; axis < 3; ++axis) surface.positions.push_back(mesh.point(vertex)[axis]);
+  }
+  for (const auto face : mesh.faces()) {
+    for (const auto corner : face.vertices()) surface.faces.push_back(corner.idx());
+  }
+  return surface;
+}
+
 // Writes of which vertices each vertex of the next step will be the point: new vertices come edge
 // after edge, then face after face.
 void write_origins(const PolyMesh& mesh, PolygonLevel& level) {
@@ -90,20 +110,12 @@ MeshFacts openmesh_facts(Positions positions, Faces faces) {
 }
 
 Surface openmesh_loop(Positions positions, Faces faces) {
-  Mesh mesh;
-  build(positions, faces, mesh);
-  OpenMesh::Subdivider::Uniform::LoopT<Mesh, double> loop;
-  loop.attach(mesh);
-  loop(1);
-  loop.detach();
-  Surface surface;
-  for (const auto vertex : mesh.vertices()) {
-    for (int axis = 0; axis < 3; ++axis) surface.positions.push_back(mesh.point(vertex)[axis]);
-  }
-  for (const auto face : mesh.faces()) {
-    for (const auto corner : face.vertices()) surface.faces.push_back(corner.idx());
-  }
-  return surface;
+  return subdivided<OpenMesh::Subdivider::Uniform::LoopT<Mesh, double>>(positions, faces);
+}
+
+Surface openmesh_butterfly(Positions positions, Faces faces) {
+  return subdivided<OpenMesh::Subdivider::Uniform::ModifiedButterflyT<Mesh, double>>(positions,
+                                                                                     faces);
 }
 
 rust::Vec<PolygonLevel> openmesh_catmull_clark(const Control& control) {

@@ -20,9 +20,14 @@ struct PolygonRefinement;
 struct Tetrahedron;
 struct DelaunayMesh;
 struct Sampled;
+struct Pieces;
+struct Soup;
+struct Shape;
+struct IntrinsicEdges;
 
 MeshFacts openmesh_facts(Positions positions, Faces faces);
 Surface openmesh_loop(Positions positions, Faces faces);
+Surface openmesh_butterfly(Positions positions, Faces faces);
 rust::Vec<PolygonLevel> openmesh_catmull_clark(const Control& control);
 
 PolygonRefinement opensubdiv_refine(const Control& control);
@@ -31,6 +36,14 @@ Measures cgal_measures(Positions positions, Faces faces);
 rust::Vec<double> cgal_face_cotangents(Positions positions, Faces faces);
 rust::Vec<double> cgal_cotangent_weights(Positions positions, Faces flaps);
 
+Pieces cgal_pieces(Positions positions, Faces faces);
+Soup cgal_soup(std::size_t vertices, Faces faces);
+Shape cgal_shape(Positions positions, Faces faces);
+
+rust::Vec<std::uint32_t> cgal_plane_delaunay(Positions points);
+IntrinsicEdges cgal_intrinsic(Positions positions, Faces faces);
+
+rust::Vec<double> cgal_harmonic(Positions positions, Faces faces, Positions places);
 rust::Vec<double> cgal_lscm(Positions positions, Faces faces);
 rust::Vec<double> cgal_mean_value(Positions positions, Faces faces);
 

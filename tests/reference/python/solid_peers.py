@@ -22,8 +22,11 @@ from vtkmodules.vtkCommonDataModel import (
     VTK_BEZIER_TRIANGLE,
     VTK_HEXAHEDRON,
     VTK_TETRA,
+    vtkCellArray,
+    vtkPolyData,
     vtkUnstructuredGrid,
 )
+from vtkmodules.vtkFiltersCore import vtkFeatureEdges
 from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
 from vtkmodules.vtkIOLegacy import vtkUnstructuredGridWriter
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter
@@ -123,6 +126,37 @@ def hexahedra_quality(points, cells):
     return found
 
 
+def non_manifold_edges(points, soups):
+    """Edges of more than two triangles, the smaller point first, of each list of triangles."""
+    return [non_manifold_edges_of(points, faces) for faces in soups]
+
+
+def non_manifold_edges_of(points, faces):
+    surface, places, triangles = vtkPolyData(), vtkPoints(), vtkCellArray()
+    places.SetDataTypeToDouble()
+    places.SetData(numpy_to_vtk(np.array(points, dtype=float), deep=True))
+    surface.SetPoints(places)
+    for face in faces:
+        triangles.InsertNextCell(len(face), face)
+    surface.SetPolys(triangles)
+    numbers = numpy_to_vtk(np.arange(len(points), dtype=float), deep=True)
+    numbers.SetName("number")
+    surface.GetPointData().AddArray(numbers)
+    filter = vtkFeatureEdges()
+    filter.SetInputData(surface)
+    filter.NonManifoldEdgesOn()
+    filter.BoundaryEdgesOff()
+    filter.FeatureEdgesOff()
+    filter.ManifoldEdgesOff()
+    filter.Update()
+    found, ends, edges = filter.GetOutput(), vtkIdList(), []
+    for line in range(found.GetNumberOfLines()):
+        found.GetCellPoints(line, ends)
+        number = found.GetPointData().GetArray("number")
+        edges.append(sorted(int(number.GetValue(ends.GetId(i))) for i in range(2)))
+    return edges
+
+
 def write_tetrahedra(folder, points, cells):
     """Writes tetrahedra in every way that VTK and meshio have, and returns the names of files."""
     written = []
@@ -216,6 +250,7 @@ QUESTIONS = {
         meshio_reads,
         bezier_points,
         hexahedra_quality,
+        non_manifold_edges,
         write_tetrahedra,
         gismo_points,
         tensor_points,

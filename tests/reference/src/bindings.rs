@@ -69,6 +69,45 @@ mod ffi {
         distances: Vec<f64>,
     }
 
+    /// Components of faces and loops of the boundary.
+    #[derive(Clone, Debug)]
+    struct Pieces {
+        /// Component of each face.
+        components: Vec<u32>,
+        /// Length of each boundary loop.
+        border_lengths: Vec<f64>,
+    }
+
+    /// What CGAL says of triangles that may be anything.
+    #[derive(Clone, Debug, PartialEq, Eq)]
+    struct Soup {
+        /// Whether they are an oriented manifold.
+        is_manifold: bool,
+        /// Whether CGAL's mesh takes them all, which may have several open fans at a vertex.
+        takes_all: bool,
+        /// Vertices whose faces form more than one fan, if it takes them all.
+        non_manifold_vertices: Vec<u32>,
+    }
+
+    /// Normals, lengths and angles that CGAL finds.
+    #[derive(Clone, Debug)]
+    struct Shape {
+        /// Unit normals, face after face.
+        normals: Vec<f64>,
+        /// Length of each edge.
+        edge_lengths: Vec<f64>,
+        /// Angles of faces in degrees.
+        angles_degrees: Vec<f64>,
+    }
+
+    /// Edges of an intrinsic triangulation.
+    struct IntrinsicEdges {
+        /// Two vertices for each edge.
+        ends: Vec<u32>,
+        /// Length of each edge.
+        lengths: Vec<f64>,
+    }
+
     /// A polygon mesh with tags, and what to do with it.
     #[derive(Clone, Debug, Default)]
     struct Control {
@@ -132,6 +171,7 @@ mod ffi {
 
         fn openmesh_facts(positions: &[f64], faces: &[u32]) -> MeshFacts;
         fn openmesh_loop(positions: &[f64], faces: &[u32]) -> Surface;
+        fn openmesh_butterfly(positions: &[f64], faces: &[u32]) -> Surface;
         fn openmesh_catmull_clark(control: &Control) -> Vec<PolygonLevel>;
         fn openmesh_version() -> String;
 
@@ -142,6 +182,16 @@ mod ffi {
         fn cgal_face_cotangents(positions: &[f64], faces: &[u32]) -> Vec<f64>;
         fn cgal_cotangent_weights(positions: &[f64], flaps: &[u32]) -> Vec<f64>;
         fn cgal_version() -> String;
+
+        fn cgal_pieces(positions: &[f64], faces: &[u32]) -> Pieces;
+        fn cgal_soup(vertices: usize, faces: &[u32]) -> Soup;
+        fn cgal_shape(positions: &[f64], faces: &[u32]) -> Shape;
+
+        fn cgal_plane_delaunay(points: &[f64]) -> Vec<u32>;
+        fn cgal_intrinsic(positions: &[f64], faces: &[u32]) -> IntrinsicEdges;
+
+        /// Places in the plane, two for each vertex, harmonic inside of a given border.
+        fn cgal_harmonic(positions: &[f64], faces: &[u32], places: &[f64]) -> Result<Vec<f64>>;
 
         /// Places in the plane, two for each vertex, by least squares conformal maps.
         fn cgal_lscm(positions: &[f64], faces: &[u32]) -> Result<Vec<f64>>;

@@ -20,7 +20,7 @@ pub mod t_splines;
 use msplines_common::mesh::TriangleMesh;
 use nalgebra::Point3;
 
-pub use bindings::{Measures, MeshFacts};
+pub use bindings::{Measures, MeshFacts, Pieces, Shape, Soup};
 
 /// Returns the vertices, edges, faces, boundary loops and manifoldness that OpenMesh finds.
 ///
@@ -30,16 +30,79 @@ pub fn openmesh_facts(positions: &[Point3<f64>], faces: &[[u32; 3]]) -> MeshFact
     bindings::openmesh_facts(&flat(positions), faces.as_flattened())
 }
 
+/// A mesh that nothing has checked.
+type Bare = (Vec<Point3<f64>>, Vec<[u32; 3]>);
+
 /// Returns the mesh after one round of OpenMesh's Loop subdivision: old vertices come first.
 #[must_use]
-pub fn openmesh_loop(mesh: &TriangleMesh) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+pub fn openmesh_loop(mesh: &TriangleMesh) -> Bare {
     let surface = bindings::openmesh_loop(&flat(mesh.positions()), mesh.faces().as_flattened());
+    bare(&surface)
+}
+
+/// Returns the mesh after one round of OpenMesh's modified butterfly: old vertices come first.
+#[must_use]
+pub fn openmesh_butterfly(mesh: &TriangleMesh) -> Bare {
+    let faces = mesh.faces().as_flattened();
+    bare(&bindings::openmesh_butterfly(
+        &flat(mesh.positions()),
+        faces,
+    ))
+}
+
+fn bare(surface: &bindings::Surface) -> Bare {
     let (positions, _) = surface.positions.as_chunks::<3>();
     let (faces, _) = surface.faces.as_chunks::<3>();
-    (
-        positions.iter().map(|&p| Point3::from(p)).collect(),
-        faces.to_vec(),
-    )
+    let positions = positions.iter().map(|&p| Point3::from(p));
+    (positions.collect(), faces.to_vec())
+}
+
+/// Returns CGAL's components of faces and the lengths of its boundary loops.
+#[must_use]
+pub fn cgal_pieces(mesh: &TriangleMesh) -> Pieces {
+    bindings::cgal_pieces(&flat(mesh.positions()), mesh.faces().as_flattened())
+}
+
+/// Returns what CGAL says of triangles that may be anything with three corners.
+#[must_use]
+pub fn cgal_soup(vertex_count: usize, faces: &[[u32; 3]]) -> Soup {
+    bindings::cgal_soup(vertex_count, faces.as_flattened())
+}
+
+/// Returns CGAL's unit normals of faces, lengths of edges and angles of faces.
+#[must_use]
+pub fn cgal_shape(mesh: &TriangleMesh) -> Shape {
+    bindings::cgal_shape(&flat(mesh.positions()), mesh.faces().as_flattened())
+}
+
+/// Returns CGAL's Delaunay triangles of points in the plane, no two of which are equal.
+#[must_use]
+pub fn cgal_plane_delaunay(points: &[[f64; 2]]) -> Vec<[u32; 3]> {
+    let faces = bindings::cgal_plane_delaunay(points.as_flattened());
+    faces.as_chunks::<3>().0.to_vec()
+}
+
+/// Returns the ends and the length of each edge of CGAL's intrinsic Delaunay triangulation, in CGAL's
+/// numbering of vertices.
+#[must_use]
+pub fn cgal_intrinsic(mesh: &TriangleMesh) -> Vec<([u32; 2], f64)> {
+    let found = bindings::cgal_intrinsic(&flat(mesh.positions()), mesh.faces().as_flattened());
+    let (ends, _) = found.ends.as_chunks::<2>();
+    ends.iter().copied().zip(found.lengths).collect()
+}
+
+/// Returns the places of a disk's vertices by CGAL's discrete harmonic map: those on the boundary are
+/// kept.
+///
+/// # Errors
+/// What CGAL says.
+pub fn cgal_harmonic(
+    mesh: &TriangleMesh,
+    places: &[[f64; 2]],
+) -> Result<Vec<[f64; 2]>, cxx::Exception> {
+    let faces = mesh.faces().as_flattened();
+    let places = bindings::cgal_harmonic(&flat(mesh.positions()), faces, places.as_flattened())?;
+    Ok(places.as_chunks::<2>().0.to_vec())
 }
 
 /// Returns CGAL's areas, volume and mixed Voronoi areas.

@@ -1,5 +1,6 @@
 //! The meshes on which both sides are compared.
 
+use std::collections::BTreeSet;
 use std::env;
 use std::path::{Path, PathBuf};
 
@@ -93,6 +94,61 @@ pub fn jittered(mesh: &TriangleMesh, share: f64, seed: u64) -> TriangleMesh {
     });
     let moved: Vec<Point3<f64>> = moved.collect();
     mesh.with_positions(moved)
+}
+
+/// Returns a surface and a copy of it at another place, as one mesh.
+///
+/// # Panics
+/// Never: both are manifolds.
+#[must_use]
+pub fn beside(mesh: &TriangleMesh, shift: Vector3<f64>) -> TriangleMesh {
+    let count = mesh.vertex_count() as u32;
+    let copy = mesh.positions().iter().map(|p| p + shift);
+    let positions = mesh.positions().iter().copied().chain(copy).collect();
+    let copy = mesh.faces().iter().map(|face| face.map(|v| v + count));
+    let faces = mesh.faces().iter().copied().chain(copy).collect();
+    TriangleMesh::build(positions, faces).expect("two surfaces")
+}
+
+/// Returns what is left of a mesh without the faces around random vertices, if that is a manifold.
+#[must_use]
+pub fn holed(mesh: &TriangleMesh, holes: usize, seed: u64) -> Option<TriangleMesh> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let count = mesh.vertex_count() as u32;
+    let gone: BTreeSet<u32> = (0..holes).map(|_| random.random_range(0..count)).collect();
+    let left = mesh.faces().iter();
+    let left: Vec<[u32; 3]> = left
+        .filter(|face| !face.iter().any(|v| gone.contains(v)))
+        .copied()
+        .collect();
+    let (used, faces) = compact(&left);
+    let positions = used.iter().map(|&v| mesh.positions()[v as usize]);
+    TriangleMesh::build(positions.collect(), faces).ok()
+}
+
+/// Returns random triangles on so many vertices, at least three: anything but a mesh.
+#[must_use]
+pub fn random_triangles(vertices: u32, random: &mut Pcg64Mcg) -> Vec<[u32; 3]> {
+    let count = random.random_range(2..=2 * vertices);
+    let triangle = |_| {
+        let first = random.random_range(0..vertices);
+        let second = (first + random.random_range(1..vertices)) % vertices;
+        let others: Vec<u32> = (0..vertices)
+            .filter(|&v| v != first && v != second)
+            .collect();
+        [first, second, others[random.random_range(0..others.len())]]
+    };
+    (0..count).map(triangle).collect()
+}
+
+/// Returns the vertices that are used, and the faces with numbers in their order.
+#[must_use]
+pub fn compact(faces: &[[u32; 3]]) -> (Vec<u32>, Vec<[u32; 3]>) {
+    let used: BTreeSet<u32> = faces.as_flattened().iter().copied().collect();
+    let used: Vec<u32> = used.into_iter().collect();
+    let number = |v: u32| used.partition_point(|&other| other < v) as u32;
+    let faces = faces.iter().map(|face| face.map(number)).collect();
+    (used, faces)
 }
 
 /// Returns generated control meshes with their names: of quads, triangles and other polygons, closed

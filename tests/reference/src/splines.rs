@@ -33,6 +33,7 @@ pub fn solids() -> Vec<(String, TrivariateSpline)> {
         ("one span".to_owned(), of_map(1, sheared)),
         ("sheared cube".to_owned(), of_map(3, sheared)),
         ("bent bar".to_owned(), of_map(6, bent_bar)),
+        ("coarse bent bar".to_owned(), of_map(2, bent_bar)),
         ("fitted bar".to_owned(), fitted()),
     ]
 }

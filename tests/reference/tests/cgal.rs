@@ -1,12 +1,12 @@
 //! Areas, volume and the discrete operators against CGAL.
 
-use msplines_common::mesh::{NONE, Topology, TriangleMesh};
+use msplines_common::mesh::{Facts, NONE, Range, Topology, TriangleMesh};
 use msplines_common::operators::mesh_operators;
 use msplines_reference::record::Comparison;
 use msplines_reference::{
-    Library, cgal_cotangent_weights, cgal_face_cotangents, cgal_measures, meshes,
+    Library, cgal_cotangent_weights, cgal_face_cotangents, cgal_measures, cgal_shape, meshes,
 };
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 /// Rounding of one face, whose sides are of one magnitude.
 const ROUNDING: f64 = 1e-12;
@@ -57,6 +57,45 @@ fn areas_and_volume_agree() {
     }
     faces.finish();
     whole.finish();
+}
+
+#[test]
+fn normals_lengths_and_angles_agree() {
+    let new =
+        |quantity: &str, bound, why: &str| Comparison::new(quantity, Library::Cgal, bound, why);
+    let mut normals = new("normal of a face", ROUNDING, "of unit vectors");
+    let why = "relative, of the shortest, the mean and the longest";
+    let mut lengths = new("length of edges", ROUNDING, why);
+    let why = "radians, of the least, the mean and the largest: arc tangent here, arc cosine there";
+    let mut angles = new("angle of faces", ROUNDING, why);
+    for (name, mesh) in meshes::all() {
+        let (facts, theirs) = (Facts::measure(&mesh), cgal_shape(&mesh));
+        let (units, _) = theirs.normals.as_chunks::<3>();
+        let apart = units
+            .iter()
+            .zip(0_u32..)
+            .map(|(&unit, face)| (mesh.face_normal(face).normalize() - Vector3::from(unit)).norm());
+        normals.add(&name, apart);
+        let pairs = of_range(facts.edge_length, &theirs.edge_lengths);
+        lengths.add(
+            &name,
+            pairs.map(|[ours, theirs]| (ours / theirs - 1.0).abs()),
+        );
+        let pairs = of_range(facts.angle, &theirs.angles_degrees);
+        let apart = pairs.map(|[ours, theirs]| (ours - theirs.to_radians()).abs());
+        angles.add(&name, apart);
+    }
+    normals.finish();
+    lengths.finish();
+    angles.finish();
+}
+
+/// Returns smallest, mean and largest, here and there.
+fn of_range(ours: Range, theirs: &[f64]) -> [[f64; 2]; 3] {
+    let least = theirs.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = theirs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mean = theirs.iter().sum::<f64>() / theirs.len() as f64;
+    [[ours.min, least], [ours.mean, mean], [ours.max, largest]]
 }
 
 /// Sum of the signed tetrahedra between the faces and one vertex.

@@ -1,10 +1,11 @@
-//! Distances between T-splines and the surfaces that they were fitted to, against CGAL's.
+//! Distances between surfaces against CGAL's: of T-splines from what they were fitted to, of random
+//! copies from what they are copies of.
 
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::metrics::{SurfaceTree, distance};
 use msplines_reference::record::Comparison;
 use msplines_reference::t_splines::{Whole, generated, model_names, models, tessellated};
-use msplines_reference::{Library, cgal_hausdorff, cgal_sampled};
+use msplines_reference::{Library, cgal_hausdorff, cgal_sampled, meshes};
 use nalgebra::Point3;
 
 type Failure = Box<dyn std::error::Error>;
@@ -130,7 +131,7 @@ fn misses<'a>(
 }
 
 #[test]
-fn distances_of_fits_are_those_of_cgal() -> Result<(), Failure> {
+fn distances_are_those_of_cgal() -> Result<(), Failure> {
     let mut comparisons = Comparisons::new();
     for Whole {
         name,
@@ -139,6 +140,10 @@ fn distances_of_fits_are_those_of_cgal() -> Result<(), Failure> {
     } in generated().into_iter().chain(models(&model_names()))
     {
         comparisons.add(&name, &mesh, &tessellated(&surface, SEGMENTS))?;
+    }
+    for (seed, (name, mesh)) in meshes::generated().into_iter().enumerate() {
+        let copy = meshes::jittered(&mesh, 0.3, seed as u64);
+        comparisons.add(&format!("{name} and a jittered copy"), &mesh, &copy)?;
     }
     comparisons.finish();
     Ok(())

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use msplines_common::mesh::polygon::{Refined, Rules, Sharpness};
-use msplines_common::mesh::{Topology, TriangleMesh, subdivide_loop};
+use msplines_common::mesh::{Topology, TriangleMesh, subdivide_butterfly, subdivide_loop};
 use msplines_reference::polygon::openmesh_catmull_clark;
 use msplines_reference::record::Comparison;
-use msplines_reference::{Library, meshes, openmesh_facts, openmesh_loop};
+use msplines_reference::{Library, meshes, openmesh_butterfly, openmesh_facts, openmesh_loop};
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -77,22 +77,6 @@ fn damage(faces: &mut Vec<[u32; 3]>, random: &mut Pcg64Mcg) {
     }
 }
 
-/// Numbers the vertices that are used, so that unreferenced ones do not matter.
-fn compact(faces: &[[u32; 3]]) -> (usize, Vec<[u32; 3]>) {
-    let mut numbers = BTreeMap::new();
-    for &vertex in faces.as_flattened() {
-        let next = numbers.len() as u32;
-        numbers.entry(vertex).or_insert(next);
-    }
-    (
-        numbers.len(),
-        faces
-            .iter()
-            .map(|face| face.map(|vertex| numbers[&vertex]))
-            .collect(),
-    )
-}
-
 #[test]
 fn damaged_meshes_are_judged_manifold_or_not_alike() {
     let mut comparison = Comparison::new(
@@ -110,7 +94,9 @@ fn damaged_meshes_are_judged_manifold_or_not_alike() {
             for _ in 0..random.random_range(1..3) {
                 damage(&mut faces, &mut random);
             }
-            let (count, faces) = compact(&faces);
+            // Unreferenced vertices do not matter.
+            let (used, faces) = meshes::compact(&faces);
+            let count = used.len();
             let theirs = openmesh_facts(&vec![Point3::origin(); count], &faces);
             let theirs = theirs.refused_faces == 0 && theirs.non_manifold_vertices == 0;
             let ours = Topology::build(count, faces).is_ok();
@@ -155,11 +141,14 @@ fn by_origin(
     old_vertices.chain(new_vertices).collect()
 }
 
-fn deviations(mesh: &TriangleMesh) -> Vec<f64> {
-    let ours = subdivide_loop(mesh, 1);
-    let (positions, faces) = openmesh_loop(mesh);
+/// Deviations in diagonals of a mesh after one round of one scheme, here and there.
+fn deviations(
+    mesh: &TriangleMesh,
+    ours: &TriangleMesh,
+    (positions, faces): &(Vec<Point3<f64>>, Vec<[u32; 3]>),
+) -> Vec<f64> {
     let ours = by_origin(mesh.vertex_count(), ours.positions(), ours.faces());
-    let theirs = by_origin(mesh.vertex_count(), &positions, &faces);
+    let theirs = by_origin(mesh.vertex_count(), positions, faces);
     let expected = mesh.vertex_count() + mesh.topology().edge_count();
     assert_eq!((ours.len(), theirs.len()), (expected, expected));
     let diagonal = mesh.diagonal();
@@ -169,21 +158,26 @@ fn deviations(mesh: &TriangleMesh) -> Vec<f64> {
 }
 
 #[test]
-fn loop_subdivision_moves_every_vertex_to_the_same_place() {
-    let mut comparison = Comparison::new(
-        "Loop subdivision",
-        Library::OpenMesh,
-        ROUNDING,
-        "in diagonals: a few products added in another order",
-    );
+fn subdivision_moves_every_vertex_to_the_same_place() {
+    let why = "in diagonals: a few products added in another order";
+    let [mut smooth, mut butterfly] = ["Loop subdivision", "modified butterfly subdivision"]
+        .map(|quantity| Comparison::new(quantity, Library::OpenMesh, ROUNDING, why));
     for (name, mesh) in meshes::all() {
-        comparison.add(&name, deviations(&mesh));
+        let finer = subdivide_loop(&mesh, 1);
+        smooth.add(&name, deviations(&mesh, &finer, &openmesh_loop(&mesh)));
+        let other = subdivide_butterfly(&mesh, 1);
+        butterfly.add(&name, deviations(&mesh, &other, &openmesh_butterfly(&mesh)));
         if mesh.vertex_count() < 1_500 {
-            let finer = subdivide_loop(&mesh, 1);
-            comparison.add(&format!("{name}, second round"), deviations(&finer));
+            let name = format!("{name}, second round");
+            let finest = subdivide_loop(&finer, 1);
+            smooth.add(&name, deviations(&finer, &finest, &openmesh_loop(&finer)));
+            let finest = subdivide_butterfly(&other, 1);
+            let theirs = openmesh_butterfly(&other);
+            butterfly.add(&name, deviations(&other, &finest, &theirs));
         }
     }
-    comparison.finish();
+    smooth.finish();
+    butterfly.finish();
 }
 
 #[test]

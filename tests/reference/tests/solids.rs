@@ -142,6 +142,8 @@ fn point_sets() -> Vec<(String, Vec<Point3<f64>>)> {
     let flat = |p: &Point3<f64>| Point3::new(p.x, 0.3 * p.y, 0.02 * p.z);
     let dense = |p: &Point3<f64>| Point3::from(p.coords * p.coords.norm_squared());
     let shell = |p: &Point3<f64>| Point3::from(p.coords.normalize() * (1.0 + 0.2 * p.x));
+    let needle = |p: &Point3<f64>| Point3::new(20.0 * p.x, p.y, p.z) + Vector3::repeat(50.0);
+    let bent = |p: &Point3<f64>| Point3::new(p.x, p.y, 0.4 * p.z + p.x * p.x);
     vec![
         ("even points".to_owned(), points(3_000)),
         (
@@ -155,6 +157,14 @@ fn point_sets() -> Vec<(String, Vec<Point3<f64>>)> {
         (
             "bumpy shell".to_owned(),
             points(1_000).iter().map(shell).collect(),
+        ),
+        (
+            "needle far away".to_owned(),
+            points(1_000).iter().map(needle).collect(),
+        ),
+        (
+            "bent slab".to_owned(),
+            points(1_000).iter().map(bent).collect(),
         ),
     ]
 }
@@ -289,14 +299,14 @@ fn crossing() -> Vec<(String, TriangleMesh)> {
             "noise".to_owned(),
             meshes::jittered(&shapes::bumpy_sphere(1_000), 3.0, 6),
         ),
-        ("two spheres".to_owned(), beside(&sphere, shift)),
+        ("two spheres".to_owned(), meshes::beside(&sphere, shift)),
     ]
 }
 
 /// Surfaces that touch themselves or lie on themselves, with their names.
 fn touching() -> Vec<(String, TriangleMesh)> {
     let cube = shapes::cube(4);
-    let shifted = |x, y, z| beside(&cube, Vector3::new(x, y, z));
+    let shifted = |x, y, z| meshes::beside(&cube, Vector3::new(x, y, z));
     vec![
         ("cube upon cube".to_owned(), shifted(0.0, 0.0, 1.0)),
         ("cubes at an edge".to_owned(), shifted(1.0, 0.0, 1.0)),
@@ -304,16 +314,6 @@ fn touching() -> Vec<(String, TriangleMesh)> {
         ("cube in cube askew".to_owned(), shifted(0.5, 0.375, 0.125)),
         ("twice the same cube".to_owned(), shifted(0.0, 0.0, 0.0)),
     ]
-}
-
-/// A surface and a copy of it at another place, as one mesh.
-fn beside(mesh: &TriangleMesh, shift: Vector3<f64>) -> TriangleMesh {
-    let count = mesh.vertex_count() as u32;
-    let copy = mesh.positions().iter().map(|p| p + shift);
-    let positions = mesh.positions().iter().copied().chain(copy).collect();
-    let copy = mesh.faces().iter().map(|face| face.map(|v| v + count));
-    let faces = mesh.faces().iter().copied().chain(copy).collect();
-    TriangleMesh::build(positions, faces).expect("two surfaces")
 }
 
 /// Whether two faces are in general position by CGAL's predicate: no corner in the plane of the other
@@ -341,14 +341,18 @@ fn general_position(mesh: &TriangleMesh, pair: [u32; 2]) -> bool {
 
 #[test]
 fn surfaces_that_do_not_cross_have_no_pairs() {
+    let why = "there are none";
+    let quantity = "self-intersections of embedded surfaces";
+    let mut comparison = Comparison::new(quantity, Library::Cgal, 0.0, why);
     for (name, mesh) in clean() {
         assert_eq!(
             cgal_self_intersections(&mesh),
             Vec::<[u32; 2]>::new(),
             "{name}"
         );
-        assert_eq!(self_crossings(&mesh), Vec::<[u32; 2]>::new(), "{name}");
+        comparison.add(&name, [self_crossings(&mesh).len() as f64]);
     }
+    comparison.finish();
 }
 
 #[test]
@@ -371,23 +375,16 @@ fn surfaces_that_cross_have_the_same_pairs() {
 /// Touching counts for CGAL only.
 #[test]
 fn pairs_that_only_cgal_finds_touch() {
+    let why = "pairs of ours alone, and of CGAL's alone in general position";
+    let quantity = "self-intersections of touching surfaces";
+    let mut comparison = Comparison::new(quantity, Library::Cgal, 0.0, why);
     for (name, mesh) in touching() {
         let (ours, theirs) = (self_crossings(&mesh), cgal_self_intersections(&mesh));
         assert!(!theirs.is_empty(), "{name}");
-        for pair in &ours {
-            assert!(
-                theirs.binary_search(pair).is_ok(),
-                "{name}: {pair:?} is ours alone"
-            );
-        }
-        for pair in theirs
-            .into_iter()
-            .filter(|pair| ours.binary_search(pair).is_err())
-        {
-            assert!(
-                !general_position(&mesh, pair),
-                "{name}: {pair:?} is theirs alone"
-            );
-        }
+        let missed = ours.iter().filter(|p| theirs.binary_search(p).is_err());
+        let extra = theirs.iter().filter(|p| ours.binary_search(p).is_err());
+        let extra = extra.filter(|&&pair| general_position(&mesh, pair));
+        comparison.add(&name, [missed.count() as f64, extra.count() as f64]);
     }
+    comparison.finish();
 }

@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use super::citation::Citation;
 use super::contents::Paper;
+use crate::tree;
 
 /// Line before a generated table.
 pub(super) const BEGIN: &str = "<!-- citations:begin -->";
@@ -13,9 +14,7 @@ pub(super) const END: &str = "<!-- citations:end -->";
 
 /// Returns a page with what stands between its two markers replaced, or nothing without markers.
 pub(super) fn replace(page: &str, table: &str) -> Option<String> {
-    let (before, rest) = page.split_once(BEGIN)?;
-    let (_, after) = rest.split_once(END)?;
-    Some(format!("{before}{BEGIN}\n{table}{END}{after}"))
+    tree::replace_between(page, [BEGIN, END], table)
 }
 
 /// Returns the table of a paper: what claims each of its items.

@@ -1,11 +1,13 @@
 //! Tests against established libraries and programs, which are installed where that is allowed.
 
 use std::fs;
+use std::io;
 use std::path::Path;
 use std::sync::OnceLock;
 
 use super::steps::{self, Outcome, Step};
 use super::{debian, draw, python};
+use crate::references::{self, Expected};
 use crate::tree;
 
 /// Debian packages, and a header of each that shows it is there.
@@ -23,14 +25,18 @@ const LIBRARIES: [(&str, &str); 6] = [
 
 /// The package of bindings and their tests.
 pub(super) const PACKAGE: &str = "msplines-reference";
+/// Where each test leaves what it found.
+const PARTS: &str = "target/reference";
 /// nextest's name for the tests of this package.
 const OWN: &str = "package(msplines-reference)";
 /// nextest's name for all other tests.
 pub(super) const OTHERS: &str = "not package(msplines-reference)";
 /// The tests of this package that need its bindings alone.
-const TESTS: [&str; 7] = [
+const TESTS: [&str; 9] = [
     "openmesh",
     "opensubdiv",
+    "topology",
+    "delaunay",
     "cgal",
     "cholmod",
     "flattening",
@@ -70,6 +76,11 @@ pub(super) fn run(packages: Vec<&str>) -> Step {
             }
         }
     }
+    // What an earlier run left may have another name by now.
+    let records = tree::root().join(PARTS);
+    if let Err(error) = fs::remove_dir_all(&records).or_else(absent_is_fine) {
+        return Step::failed(format!("{PARTS} was not removed: {error}"));
+    }
     let mut arguments = if steps::has_nextest() {
         steps::test_runner()
     } else {
@@ -84,13 +95,29 @@ pub(super) fn run(packages: Vec<&str>) -> Step {
         arguments.extend(tests.flat_map(|test| ["--test", test]));
     }
     let step = steps::cargo(&arguments);
-    match gather() {
-        Err(error) => Step::failed(format!("target/reference.json was not written: {error}")),
-        Ok(()) if step.outcome == Outcome::Passed && !remedies.is_empty() => Step {
-            outcome: Outcome::NotRun(remedies.join("; ")),
-            ..step
-        },
-        Ok(()) => step,
+    if let Err(error) = gather() {
+        return Step::failed(format!("{} was not written: {error}", references::RECORDS));
+    }
+    if step.outcome != Outcome::Passed {
+        return step;
+    }
+    let expected = if remedies.is_empty() {
+        Expected::All
+    } else {
+        Expected::Some
+    };
+    let outcome = match references::check(expected) {
+        Err(error) => Outcome::Failed(error),
+        Ok(()) if remedies.is_empty() => Outcome::Passed,
+        Ok(()) => Outcome::NotRun(remedies.join("; ")),
+    };
+    Step { outcome, ..step }
+}
+
+fn absent_is_fine(error: io::Error) -> io::Result<()> {
+    match error.kind() {
+        io::ErrorKind::NotFound => Ok(()),
+        _ => Err(error),
     }
 }
 
@@ -102,11 +129,11 @@ fn without(left_out: &[&str]) -> String {
     format!("{OWN}{}", left_out.collect::<String>())
 }
 
-/// Gathers what each test left in `target/reference` into one list for programs.
-fn gather() -> std::io::Result<()> {
-    let target = tree::root().join("target");
+/// Gathers what each test left into one list for programs.
+fn gather() -> io::Result<()> {
+    let root = tree::root();
     let mut paths = Vec::new();
-    for entry in fs::read_dir(target.join("reference"))? {
+    for entry in fs::read_dir(root.join(PARTS))? {
         paths.push(entry?.path());
     }
     paths.sort();
@@ -115,7 +142,7 @@ fn gather() -> std::io::Result<()> {
         .map(fs::read_to_string)
         .collect::<Result<Vec<_>, _>>()?;
     fs::write(
-        target.join("reference.json"),
+        root.join(references::RECORDS),
         format!("[\n{}\n]\n", records.join(",\n")),
     )
 }

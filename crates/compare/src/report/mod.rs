@@ -4,6 +4,7 @@ pub mod drawing;
 pub mod html;
 mod properties;
 mod quantities;
+pub mod references;
 pub mod surface_payload;
 mod tables;
 pub mod viewer;
@@ -187,6 +188,8 @@ pub struct PageOptions<'a> {
     pub pixels: usize,
     /// The script that makes pictures turnable.
     pub viewer: &'a viewer::Viewer,
+    /// Comparisons with code that nobody here wrote, if there are any.
+    pub references: &'a [references::Reference],
 }
 
 /// Writes `index.html`, `report.json`, `report.csv`, one `PAPER.md` per paper and one
@@ -214,7 +217,7 @@ pub fn write(
     for (name, png) in drawings.sheets(report) {
         put(format!("{PICTURES}/{name}"), Ok(png))?;
     }
-    let page = html::page(report, &drawings, options.viewer, options.experiments);
+    let page = html::page(report, &drawings, options);
     let page = page.map(String::into_bytes).map_err(std::io::Error::other);
     put("index.html".to_owned(), page)?;
     let json = serde_json::to_vec_pretty(report).map_err(std::io::Error::from);

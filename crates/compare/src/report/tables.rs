@@ -32,7 +32,7 @@ impl Cell {
     }
 
     /// Returns a cell that shows `value` by `show`, or says that there is none.
-    fn number(value: Option<f64>, show: impl FnOnce(f64) -> String) -> Self {
+    pub(super) fn number(value: Option<f64>, show: impl FnOnce(f64) -> String) -> Self {
         Self {
             text: value.map_or_else(|| NONE.to_owned(), show),
             value,

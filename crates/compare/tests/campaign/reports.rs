@@ -1,6 +1,7 @@
 //! What a report of a campaign shows.
 
 use msplines_compare::campaign::Report;
+use msplines_compare::report::references::Reference;
 use msplines_compare::report::viewer::Viewer;
 use msplines_compare::report::{self, PageOptions};
 
@@ -8,10 +9,16 @@ use crate::project::{EXPERIMENT, Project, without_times};
 
 /// Writes a report in every form, and returns its page.
 fn written(project: &Project, report: &Report) -> String {
+    written_beside(project, report, &[])
+}
+
+/// The same, with comparisons with other code.
+fn written_beside(project: &Project, report: &Report, references: &[Reference]) -> String {
     let options = PageOptions {
         experiments: &project.path("data/experiments"),
         pixels: 100,
         viewer: &Viewer::Absent("none here".to_owned()),
+        references,
     };
     let written = report::write(report, &project.path("report"), &options).expect("written");
     assert_eq!(written.len(), 4);
@@ -114,6 +121,35 @@ fn columns_and_properties_are_shown_in_every_form() {
     ] {
         assert!(page.contains(part), "no `{part}` in\n{page}");
     }
+}
+
+#[test]
+fn comparisons_with_other_code_are_shown_or_how_to_make_them() {
+    let project = Project::new();
+    let report = project.run();
+    let page = written(&project, &report);
+    assert!(
+        page.contains("<code>cargo xtask test reference</code> compares"),
+        "{page}"
+    );
+    let found = Reference {
+        quantity: "area <of> a face".to_owned(),
+        reference: "Some Library 5.5".to_owned(),
+        meshes: vec!["torus".to_owned()],
+        largest_deviation: Some(2.5e-13),
+        at: "torus".to_owned(),
+        bound: 1e-12,
+        why_this_bound: "rounding".to_owned(),
+    };
+    let page = written_beside(&project, &report, &[found]);
+    for part in [
+        "<th scope=\"row\">area &lt;of&gt; a face</th>",
+        ">2.5e-13</td>",
+        "<caption>Largest deviations from code that nobody here wrote</caption>",
+    ] {
+        assert!(page.contains(part), "no `{part}` in\n{page}");
+    }
+    assert!(!page.contains("<code>cargo xtask test reference</code> compares"));
 }
 
 #[test]

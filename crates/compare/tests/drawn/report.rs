@@ -58,6 +58,7 @@ pub(crate) fn page(report: &Report, folder: &Path, pixels: usize, viewer: &Viewe
         experiments: folder,
         pixels,
         viewer,
+        references: &[],
     };
     write(report, folder, &options).expect("written");
     std::fs::read_to_string(folder.join("index.html")).expect("a page")

@@ -4,8 +4,10 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::super::PageOptions;
 use super::super::drawing::{Drawings, DrawnItem};
 use super::super::properties::{Matrix, matrix};
+use super::super::references::{self, Reference};
 use super::super::tables::{self, Table, cost_table, error_table};
 use super::super::viewer::Viewer;
 use crate::campaign::{ItemReport, Report, RowReport, RowResult, Times};
@@ -27,6 +29,7 @@ pub(super) struct Page<'a> {
     differences: Vec<Remark>,
     absent: Vec<Absent>,
     papers: Vec<Paper<'a>>,
+    references: Option<Grid>,
     viewer: Option<&'a str>,
     no_viewer: Option<&'a str>,
 }
@@ -117,13 +120,12 @@ struct GridCell {
 pub(super) fn page<'a>(
     report: &'a Report,
     drawings: &'a Drawings,
-    viewer: &'a Viewer,
-    experiments: &Path,
+    options: &PageOptions<'a>,
 ) -> Page<'a> {
     let rows = || report.items.iter().flat_map(|item| &item.rows);
     let differs =
         |row: &&RowReport| matches!(row.judgement.verdict, Verdict::Better | Verdict::Worse);
-    let (script, reason) = match viewer {
+    let (script, reason) = match options.viewer {
         Viewer::Script(script) => (Some(script.as_str()), None),
         Viewer::Absent(reason) => (None, Some(reason.as_str())),
     };
@@ -146,7 +148,8 @@ pub(super) fn page<'a>(
             (differs(&row) && row.failure().is_none()).then(|| tables::verdict(row))
         }),
         absent: absent(report),
-        papers: papers(report, drawings, experiments),
+        papers: papers(report, drawings, options.experiments),
+        references: compared(options.references),
         viewer: script,
         no_viewer: reason,
     }
@@ -276,6 +279,12 @@ fn grid(anchor: &str, kind: &str, table: &Table, mut lines: Vec<Line>) -> Grid {
         rows: lines,
         has_source,
     }
+}
+
+/// Returns the table of comparisons with other code, if there are any.
+fn compared(found: &[Reference]) -> Option<Grid> {
+    let table = references::table(found);
+    (!found.is_empty()).then(|| grid("references", "deviations", &table, Vec::new()))
 }
 
 fn row_anchor(item: &ItemReport, row: &RowReport) -> String {

@@ -3,12 +3,10 @@
 
 mod context;
 
-use std::path::Path;
-
 use minijinja::{AutoEscape, Environment};
 
+use super::PageOptions;
 use super::drawing::Drawings;
-use super::viewer::Viewer;
 use crate::campaign::Report;
 
 const PAGE: &str = include_str!("page.html");
@@ -27,15 +25,14 @@ pub struct PageError(#[from] minijinja::Error);
 pub fn page(
     report: &Report,
     drawings: &Drawings,
-    viewer: &Viewer,
-    experiments: &Path,
+    options: &PageOptions<'_>,
 ) -> Result<String, PageError> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.set_trim_blocks(true);
     environment.set_lstrip_blocks(true);
     environment.add_template("page.html", PAGE)?;
-    let context = context::page(report, drawings, viewer, experiments);
+    let context = context::page(report, drawings, options);
     let template = environment.get_template("page.html")?;
     Ok(template.render(minijinja::context! {
         page => context,
