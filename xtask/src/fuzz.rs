@@ -64,7 +64,10 @@ pub(crate) fn run(args: &Args) -> Result<(), String> {
     if broken.is_empty() {
         return Ok(());
     }
-    let shown: Vec<_> = broken.iter().map(|find| find.display().to_string()).collect();
+    let shown: Vec<_> = broken
+        .iter()
+        .map(|find| find.display().to_string())
+        .collect();
     Err(format!(
         "{} inputs break a law; give each to the program of its target: {}",
         broken.len(),
@@ -79,7 +82,10 @@ fn all_targets(root: &Path) -> Result<Vec<String>, String> {
     let mut names = Vec::new();
     for entry in fs::read_dir(&folder).map_err(told)? {
         let path = entry.map_err(told)?.path();
-        names.extend(path.file_stem().map(|stem| stem.to_string_lossy().into_owned()));
+        names.extend(
+            path.file_stem()
+                .map(|stem| stem.to_string_lossy().into_owned()),
+        );
     }
     names.sort();
     Ok(names)
@@ -88,7 +94,10 @@ fn all_targets(root: &Path) -> Result<Vec<String>, String> {
 /// Returns the targets that are asked for, all where none is.
 fn chosen(asked: &[String], all: &[String]) -> Result<Vec<String>, String> {
     match asked.iter().find(|name| !all.contains(name)) {
-        Some(unknown) => Err(format!("no target `{unknown}`; there are {}", all.join(", "))),
+        Some(unknown) => Err(format!(
+            "no target `{unknown}`; there are {}",
+            all.join(", ")
+        )),
         None if asked.is_empty() => Ok(all.to_vec()),
         None => Ok(asked.to_vec()),
     }
@@ -139,7 +148,9 @@ fn fuzz(root: &Path, programs: &Path, target: &str, seconds: u32) -> Result<Outc
         .arg(format!("-rss_limit_mb={MEMORY}"))
         .arg("-print_final_stats=1")
         .arg(format!("-artifact_prefix={}/", finds.display()));
-    let words = root.join(PACKAGE).join(format!("dictionaries/{target}.dict"));
+    let words = root
+        .join(PACKAGE)
+        .join(format!("dictionaries/{target}.dict"));
     if words.is_file() {
         command.arg(format!("-dict={}", words.display()));
     }
@@ -170,7 +181,9 @@ fn fuzz(root: &Path, programs: &Path, target: &str, seconds: u32) -> Result<Outc
 /// Returns the number of executions that libFuzzer tells at its end.
 fn executions(said: &str) -> u64 {
     let count = said.lines().find_map(|line| line.strip_prefix(EXECUTED));
-    count.and_then(|count| count.trim().parse().ok()).unwrap_or(0)
+    count
+        .and_then(|count| count.trim().parse().ok())
+        .unwrap_or(0)
 }
 
 fn last_lines(said: &str) -> String {
@@ -206,8 +219,14 @@ mod tests {
         let manifest = root.join("tests/fuzz/Cargo.toml");
         let manifest = std::fs::read_to_string(manifest).expect("a manifest");
         for target in all_targets(&root).expect("targets") {
-            assert!(manifest.contains(&format!("path = \"targets/{target}.rs\"")), "{target}");
-            assert!(root.join("tests/fuzz/corpus").join(&target).is_dir(), "{target}");
+            assert!(
+                manifest.contains(&format!("path = \"targets/{target}.rs\"")),
+                "{target}"
+            );
+            assert!(
+                root.join("tests/fuzz/corpus").join(&target).is_dir(),
+                "{target}"
+            );
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Edits of random meshes keep what they must.
 
+use std::collections::BTreeSet;
+
 use msplines_common::Point3;
 use msplines_common::mesh::{
     DecimateError, FlipComplex, NONE, SplitError, SurfacePoint, Topology, TriangleMesh, decimate,
@@ -31,11 +33,25 @@ fn is_finite(mesh: &TriangleMesh) -> bool {
     mesh.positions().iter().all(finite)
 }
 
+/// Whether two faces have the same corners, which subdivision does not take.
+fn has_twin_faces(mesh: &TriangleMesh) -> bool {
+    let sorted = |face: &[u32; 3]| {
+        let mut corners = *face;
+        corners.sort_unstable();
+        corners
+    };
+    let distinct: BTreeSet<[u32; 3]> = mesh.faces().iter().map(sorted).collect();
+    distinct.len() < mesh.face_count()
+}
+
 /// Checks one round of a scheme that cuts every face into four.
 fn check_subdivided(coarse: &Topology, fine: &TriangleMesh) {
     check(fine.topology());
     assert!(is_finite(fine));
-    assert_eq!(fine.vertex_count(), coarse.vertex_count() + coarse.edge_count());
+    assert_eq!(
+        fine.vertex_count(),
+        coarse.vertex_count() + coarse.edge_count()
+    );
     assert_eq!(fine.face_count(), 4 * coarse.face_count());
     assert_eq!(kind(fine.topology()), kind(coarse));
 }
@@ -101,6 +117,7 @@ proptest! {
 
     #[test]
     fn subdivision_keeps_the_kind_of_a_surface(mesh in meshes()) {
+        prop_assume!(!has_twin_faces(&mesh));
         let coarse = mesh.topology();
         check_subdivided(coarse, &subdivide_midpoint(&mesh, 1).0);
         check_subdivided(coarse, &subdivide_loop(&mesh, 1));

@@ -6,7 +6,8 @@ use msplines_common::mesh::{NONE, Topology};
 
 /// A directed edge and the face it runs in.
 fn directed(faces: &[[u32; 3]]) -> impl Iterator<Item = ([u32; 2], usize)> + '_ {
-    let sides = |(face, &[a, b, c]): (usize, &[u32; 3])| [[a, b], [b, c], [c, a]].map(|s| (s, face));
+    let sides =
+        |(face, &[a, b, c]): (usize, &[u32; 3])| [[a, b], [b, c], [c, a]].map(|s| (s, face));
     faces.iter().enumerate().flat_map(sides)
 }
 
@@ -63,7 +64,9 @@ pub(crate) fn check(topology: &Topology) {
 
 /// Boundary loops are closed, pass no vertex twice, and hold every side without a twin once.
 fn check_loops(topology: &Topology, sides: &BTreeMap<[u32; 2], u32>) {
-    let open = sides.iter().filter(|([a, b], _)| !sides.contains_key(&[*b, *a]));
+    let open = sides
+        .iter()
+        .filter(|([a, b], _)| !sides.contains_key(&[*b, *a]));
     let open: BTreeSet<u32> = open.map(|(_, &half_edge)| half_edge).collect();
     let mut met = BTreeSet::new();
     for cycle in topology.boundary_loops() {
@@ -81,5 +84,9 @@ fn check_loops(topology: &Topology, sides: &BTreeMap<[u32; 2], u32>) {
 /// What no edit may change: Euler characteristic, number of boundary loops, number of components.
 pub(crate) fn kind(topology: &Topology) -> (i64, usize, u32) {
     let loops = topology.boundary_loops().len();
-    (topology.euler_characteristic(), loops, topology.components().1)
+    (
+        topology.euler_characteristic(),
+        loops,
+        topology.components().1,
+    )
 }

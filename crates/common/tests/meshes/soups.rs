@@ -64,9 +64,9 @@ pub(crate) fn meshes() -> impl Strategy<Value = TriangleMesh> {
 fn is_true(error: &TopologyError, vertices: usize, faces: &[[u32; 3]]) -> bool {
     let face = |face: u32| faces[face as usize];
     match *error {
-        TopologyError::IndexOutOfRange { face: at, vertex, .. } => {
-            face(at).contains(&vertex) && vertex as usize >= vertices
-        }
+        TopologyError::IndexOutOfRange {
+            face: at, vertex, ..
+        } => face(at).contains(&vertex) && vertex as usize >= vertices,
         TopologyError::RepeatedVertex { face: at, vertex } => {
             face(at).iter().filter(|&&v| v == vertex).count() > 1
         }
@@ -76,9 +76,7 @@ fn is_true(error: &TopologyError, vertices: usize, faces: &[[u32; 3]]) -> bool {
             first,
             second,
         } => first != second && [first, second].iter().all(|&f| joins(face(f), from, to)),
-        TopologyError::VertexNotManifold { vertex } => {
-            faces.as_flattened().contains(&vertex)
-        }
+        TopologyError::VertexNotManifold { vertex } => faces.as_flattened().contains(&vertex),
         TopologyError::UnreferencedVertex { vertex } => !faces.as_flattened().contains(&vertex),
         _ => false,
     }
@@ -91,7 +89,8 @@ fn joins(face: [u32; 3], from: u32, to: u32) -> bool {
 /// Returns polygons of up to five corners whose points lie on a coarse lattice, so that points coincide,
 /// corners are flat and faces have no area; some coordinates are no numbers.
 fn polygons() -> impl Strategy<Value = PolygonSoup> {
-    let at = prop_oneof![40 => (0..3i32).prop_map(f64::from), 1 => Just(f64::NAN), 1 => Just(1e300)];
+    let at =
+        prop_oneof![40 => (0..3i32).prop_map(f64::from), 1 => Just(f64::NAN), 1 => Just(1e300)];
     let points = prop::collection::vec([at.clone(), at.clone(), at], 1..9);
     let face = prop::collection::vec(-1i64..9, 0..6);
     (points, prop::collection::vec(face, 0..12)).prop_map(|(points, faces)| {
