@@ -23,8 +23,6 @@ pub(crate) struct Args {
 const PACKAGE: &str = "tests/fuzz";
 /// Programs, corpora that grow and finds.
 const OUTPUT: &str = "target/fuzz";
-/// Most bytes of an input: the formats repeat themselves beyond that.
-const MOST_BYTES: u32 = 4096;
 /// Seconds after which one input is a hang, on a busy machine.
 const HANG: u32 = 20;
 /// Most memory in MiB; the targets themselves count bytes per byte of input.
@@ -143,7 +141,6 @@ fn fuzz(root: &Path, programs: &Path, target: &str, seconds: u32) -> Result<Outc
     let mut command = Command::new(programs.join(target));
     command
         .arg(format!("-max_total_time={seconds}"))
-        .arg(format!("-max_len={MOST_BYTES}"))
         .arg(format!("-timeout={HANG}"))
         .arg(format!("-rss_limit_mb={MEMORY}"))
         .arg("-print_final_stats=1")

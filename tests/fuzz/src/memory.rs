@@ -17,13 +17,18 @@ const SLACK: usize = 1 << 18;
 /// # Panics
 /// If it takes more memory on its way than so many bytes warrant.
 pub(crate) fn bounded<T>(length: usize, read: impl FnOnce() -> T) -> T {
+    within(BYTES_PER_BYTE * length + SLACK, read)
+}
+
+/// Returns what `work` makes.
+///
+/// # Panics
+/// If it takes more than so many bytes of memory on its way.
+pub(crate) fn within<T>(limit: usize, work: impl FnOnce() -> T) -> T {
     let before = ALLOCATOR.current_usage();
     ALLOCATOR.reset_peak_usage();
-    let answer = read();
+    let made = work();
     let peak = ALLOCATOR.peak_usage().saturating_sub(before);
-    assert!(
-        peak <= BYTES_PER_BYTE * length + SLACK,
-        "{peak} bytes of memory for {length} bytes of input"
-    );
-    answer
+    assert!(peak <= limit, "{peak} bytes of memory instead of {limit}");
+    made
 }

@@ -13,15 +13,29 @@ use msplines_powell_sabin::PowellSabinSurface;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::memory::bounded;
+use crate::memory::within;
 
 /// Meshes of more vertices are read but not evaluated, to keep executions fast.
 const MOST_VERTICES: usize = 300;
 
+/// A value of JSON takes 32 bytes and may be told in two, `1,`; it is held twice while its kind is found
+/// out, and growing arrays are twice as large as their content.
+const BYTES_PER_BYTE: usize = 128;
+
+/// Messages, and tables of fixed size.
+const SLACK: usize = 1 << 18;
+
+/// What a spline over a mesh of so few vertices may take, its matrices included.
+const MOST_BYTES: usize = 256 << 20;
+
+fn most(bytes: &[u8]) -> usize {
+    BYTES_PER_BYTE * bytes.len() + SLACK
+}
+
 /// Holds spline files to their laws: what was read is written and read again alike, and what it holds
 /// becomes a spline or is refused.
 pub fn spline(bytes: &[u8]) {
-    let read = bounded(bytes.len(), || SplineFile::parse(bytes));
+    let read = within(most(bytes), || SplineFile::parse(bytes));
     let file = match read {
         Ok(file) => file,
         Err(error) => return assert!(!error.to_string().is_empty()),
@@ -34,7 +48,7 @@ pub fn spline(bytes: &[u8]) {
         Ok(again) => assert_eq!(again, file),
         Err(error) => panic!("what was written: {error}"),
     }
-    bounded(bytes.len(), || restore(&file));
+    within(MOST_BYTES, || restore(&file));
 }
 
 /// Makes a spline of what a file holds; a refusal has a text.
@@ -79,7 +93,10 @@ fn on_triangles(spline: &StoredSpline, mesh: &TriangleMesh) -> Option<String> {
             stored.restore(mesh).err().map(|error| error.to_string())
         }
         other => {
-            let places = other.knots().iter().all(|&v| (v as usize) < mesh.vertex_count());
+            let places = other
+                .knots()
+                .iter()
+                .all(|&v| (v as usize) < mesh.vertex_count());
             if places {
                 assert_eq!(other.knot_places(mesh).len(), other.knots().len());
             }
@@ -105,7 +122,7 @@ pub fn records(bytes: &[u8]) {
 }
 
 fn same_again<T: DeserializeOwned + Serialize + PartialEq + std::fmt::Debug>(bytes: &[u8]) {
-    let read = bounded(bytes.len(), || serde_json::from_slice::<T>(bytes));
+    let read = within(most(bytes), || serde_json::from_slice::<T>(bytes));
     if let Ok(value) = read {
         let again = serde_json::to_vec(&value).and_then(|text| serde_json::from_slice::<T>(&text));
         match again {

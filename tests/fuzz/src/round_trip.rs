@@ -3,8 +3,8 @@
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
-use msplines_common::mesh::{PolygonSoup, VertexAttribute};
 use msplines_common::mesh::tet::TetSoup;
+use msplines_common::mesh::{PolygonSoup, VertexAttribute};
 use msplines_io::{
     Array, Surface, Volume, VolumeCells, read_npy, read_soup, read_tets, write_npy, write_surface,
     write_volume,
@@ -30,7 +30,11 @@ pub(crate) fn surface(soup: &PolygonSoup) {
         let read = read_soup(&path).unwrap_or_else(|error| panic!("what was written: {error}"));
         assert_eq!(bits(&read.positions), bits(&soup.positions), "{name}");
         assert_eq!(read.face_vertices, soup.face_vertices, "{name}");
-        assert_eq!(named_bits(&read.attributes), named_bits(attributes), "{name}");
+        assert_eq!(
+            named_bits(&read.attributes),
+            named_bits(attributes),
+            "{name}"
+        );
     }
 }
 
@@ -87,7 +91,10 @@ fn bits(positions: &[Point3<f64>]) -> Vec<[u64; 3]> {
 
 fn named_bits(attributes: &[VertexAttribute]) -> Vec<(&str, Vec<u64>)> {
     let of = |a: &VertexAttribute| a.values.iter().map(|x| x.to_bits()).collect();
-    attributes.iter().map(|a| (a.name.as_str(), of(a))).collect()
+    attributes
+        .iter()
+        .map(|a| (a.name.as_str(), of(a)))
+        .collect()
 }
 
 thread_local! {
