@@ -6,6 +6,7 @@
     reason = "a command's output is what it is for"
 )]
 
+mod fuzz;
 mod papers;
 mod references;
 mod repro;
@@ -31,6 +32,8 @@ enum Command {
     Repro(repro::Args),
     /// Run every check and every test; end non-zero if one fails.
     Test(test::Args),
+    /// Run the fuzz targets for a bounded time each.
+    Fuzz(fuzz::Args),
     /// Check the invariants of ARCHITECTURE.md.
     Tidy,
     /// Collect the citations of the code into the tables of docs/papers.
@@ -43,6 +46,7 @@ fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Repro(args) => repro::run(&args),
         Command::Test(args) => test::run(&args),
+        Command::Fuzz(args) => fuzz::run(&args),
         Command::Tidy => tidy::run(),
         Command::Papers(args) => papers::run(&args),
         Command::References(args) => references::run(&args),

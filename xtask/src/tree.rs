@@ -29,12 +29,9 @@ impl File {
 
     /// Returns the folder of the member package that holds this file: `crates/common` or `xtask`.
     pub(crate) fn package(&self) -> &str {
-        let depth = if self.path.starts_with("crates/") || self.path.starts_with("tests/reference/")
-        {
-            2
-        } else {
-            1
-        };
+        let nested = ["crates/", "tests/fuzz/", "tests/reference/"];
+        let is_nested = nested.iter().any(|folder| self.path.starts_with(folder));
+        let depth = if is_nested { 2 } else { 1 };
         match self.path.match_indices('/').nth(depth - 1) {
             Some((end, _)) => &self.path[..end],
             None => "",
@@ -114,6 +111,7 @@ mod tests {
         assert_eq!(package("xtask/src/main.rs"), "xtask");
         assert_eq!(package("tests/contract.rs"), "tests");
         assert_eq!(package("tests/reference/src/lib.rs"), "tests/reference");
+        assert_eq!(package("tests/fuzz/src/lib.rs"), "tests/fuzz");
         assert_eq!(package("README.md"), "");
     }
 }

@@ -25,7 +25,7 @@ pub(crate) use t_spline::{Solver, TSpline, Toggle};
 /// cannot take this input, 5 stopped early with the result so far written.
 #[derive(Debug, Parser)]
 #[command(name = "msplines", version, about)]
-pub(crate) struct Arguments {
+pub struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
     #[command(flatten)]

@@ -326,6 +326,16 @@ pub enum SplineFileError {
         /// Coefficients or control values.
         values: usize,
     },
+    /// Two faces of the domain with the same corners.
+    #[error(
+        "faces {first} and {second} of the mesh in the spline file have the same corners; it is damaged, fit again"
+    )]
+    TwinFaces {
+        /// One face.
+        first: usize,
+        /// The other face.
+        second: usize,
+    },
     /// A knot that the domain does not have.
     #[error(
         "the spline file names vertex {vertex}, but its domain has {vertices} vertices; give the mesh that was fitted"

@@ -126,8 +126,16 @@ impl Manifest {
     /// # Errors
     /// A file that cannot be read or has other fields.
     pub fn read(path: &Path) -> Result<Self, ExperimentError> {
-        toml::from_str(&read_text(path)?).map_err(|e| ExperimentError::Syntax {
-            path: path.display().to_string(),
+        Self::parse(&read_text(path)?, &path.display().to_string())
+    }
+
+    /// Reads the text of such a file called `name`.
+    ///
+    /// # Errors
+    /// Other fields.
+    pub fn parse(text: &str, name: &str) -> Result<Self, ExperimentError> {
+        toml::from_str(text).map_err(|e| ExperimentError::Syntax {
+            path: name.to_owned(),
             message: e.to_string(),
         })
     }

@@ -65,6 +65,6 @@ pub use error::{Place, ReadError};
 pub use format::Format;
 pub use npy::{Array, parse_npy, read_npy, write_npy};
 pub use output::{OutputFormat, Surface, WriteError, write_atomically, write_surface};
-pub use read::{parse_soup, read_points, read_soup};
+pub use read::{parse_points, parse_soup, read_points, read_soup};
 pub use step::write_step;
 pub use volume::{Field, Volume, VolumeCells, parse_tetgen, parse_tets, read_tets, write_volume};

@@ -25,7 +25,15 @@ pub fn read_soup(path: &Path) -> Result<PolygonSoup, ReadError> {
 /// # Errors
 /// As [`read_soup`], but for the faces.
 pub fn read_points(path: &Path) -> Result<Vec<Point3<f64>>, ReadError> {
-    let (_, soup) = parse_any(path, &bytes_of(path)?)?;
+    parse_points(path, &bytes_of(path)?)
+}
+
+/// Returns what [`read_points`] does for a file with these bytes; `path` names it in errors.
+///
+/// # Errors
+/// As [`read_points`].
+pub fn parse_points(path: &Path, bytes: &[u8]) -> Result<Vec<Point3<f64>>, ReadError> {
+    let (_, soup) = parse_any(path, bytes)?;
     Ok(soup.positions)
 }
 

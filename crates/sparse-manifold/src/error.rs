@@ -29,12 +29,12 @@ pub enum FitError {
     },
     /// A valence beyond what a chart can hold.
     #[error(
-        "vertex {vertex} has {valence} edges; a chart takes at most {most}: split the faces around it"
+        "the chart of vertex {vertex} has {valence} sectors; it takes at most {most}: split the faces around it"
     )]
     Valence {
         /// The vertex.
         vertex: u32,
-        /// Its number of edges.
+        /// Its number of sectors, closed where it lies on the boundary.
         valence: u32,
         /// How many a chart takes.
         most: u32,
@@ -80,6 +80,25 @@ pub enum SplineError {
     /// The control mesh has faces that are not quads.
     #[error(transparent)]
     ControlMesh(#[from] ControlMeshError),
+    /// A polynomial degree out of range.
+    #[error("polynomials of degree {degree}, which no chart has; fit again")]
+    Degree {
+        /// The degree.
+        degree: u32,
+    },
+    /// A valence beyond what a chart can hold.
+    #[error(
+        "the chart of vertex {vertex} has {valence} sectors, at most {most} are possible; give the mesh \
+         that was fitted"
+    )]
+    Valence {
+        /// The vertex.
+        vertex: u32,
+        /// Its number of sectors, closed where it lies on the boundary.
+        valence: u32,
+        /// How many a chart takes.
+        most: u32,
+    },
     /// The number of charts is not that of vertices.
     #[error("{found} charts for {expected} vertices; give the mesh that was fitted")]
     Charts {

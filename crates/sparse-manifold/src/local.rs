@@ -10,6 +10,7 @@ use faer::Mat;
 
 use crate::dictionary::{Atom, DEGREE, Dictionary, DictionaryKind};
 use crate::domain::Star;
+use crate::fit::MOST_VALENCE;
 use crate::fit::charts::default_degree;
 use crate::fit::state::dictionary;
 use crate::options::Local;
@@ -63,6 +64,16 @@ pub enum LocalError {
         /// What was asked for.
         degree: u32,
     },
+    /// A star that no chart has.
+    #[error("a chart of {sectors} of {valence} sectors; give 1 to {most}, no more than close it")]
+    Star {
+        /// Number of its sectors.
+        sectors: u32,
+        /// How many would close it.
+        valence: u32,
+        /// How many a chart takes.
+        most: u32,
+    },
     /// An atom that the dictionary does not have.
     #[error("atom {atom} of a dictionary of {atoms}; it is damaged, fit again")]
     NoSuchAtom {
@@ -105,13 +116,14 @@ pub enum LocalError {
 /// [Wang2016] Eq. (3), §4.2 (Figures 2 and 4).
 ///
 /// # Errors
-/// Samples that are not in the chart or not finite; a degree out of range.
+/// A star that no chart has; samples that are not in the chart or not finite; a degree out of range.
 pub fn fit_local(
     star: Star,
     points: &[ChartPoint],
     values: &[f64],
     local: Local,
 ) -> Result<LocalFunction, LocalError> {
+    check_star(star)?;
     check(star, points, values)?;
     let (kind, degree) = dictionary(local);
     let degree = degree.unwrap_or_else(|| default_degree(star));
@@ -219,11 +231,23 @@ fn least_squares(matrix: &Mat<f64>, data: &Mat<f64>) -> Vec<f64> {
         .collect()
 }
 
+fn check_star(Star { sectors, valence }: Star) -> Result<(), LocalError> {
+    if (1..=valence).contains(&sectors) && valence <= MOST_VALENCE {
+        return Ok(());
+    }
+    Err(LocalError::Star {
+        sectors,
+        valence,
+        most: MOST_VALENCE,
+    })
+}
+
 impl LocalFunction {
     /// Returns the function of these atoms of a dictionary.
     ///
     /// # Errors
-    /// Atoms that the dictionary does not have, or not a finite coefficient for each.
+    /// A star or degree that no chart has; atoms that the dictionary does not have, or not a finite coefficient
+    /// for each.
     pub fn from_parts(
         star: Star,
         kind: DictionaryKind,
@@ -234,6 +258,7 @@ impl LocalFunction {
         if degree > DEGREE {
             return Err(LocalError::Degree { degree });
         }
+        check_star(star)?;
         let atoms = Dictionary::new(kind, degree, star).atoms().len();
         if let Some(&atom) = support.iter().find(|&&atom| usize::from(atom) >= atoms) {
             return Err(LocalError::NoSuchAtom { atom, atoms });

@@ -12,10 +12,11 @@ use msplines_common::mesh::polygon::PolygonMesh;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::dictionary::{Atom, Dictionary, DictionaryKind};
+use crate::dictionary::{Atom, DEGREE, Dictionary, DictionaryKind};
 use crate::domain::{Domain, TURNS, corner_coordinates};
 use crate::error::SplineError;
 use crate::fit::charts::{COMPONENTS, Function, default_degree};
+use crate::fit::{MOST_VALENCE, first_crowded};
 use crate::jet::Jet;
 use crate::weight::{FLAT, weight};
 
@@ -88,7 +89,8 @@ impl SparseManifold {
     /// [`Local::Polynomial`](crate::Local::Polynomial).
     ///
     /// # Errors
-    /// A mesh that is not of quads; charts, atoms or coefficients that do not fit it.
+    /// A mesh that is not of quads or has a vertex of too many faces; a degree out of range; charts, atoms or
+    /// coefficients that do not fit it.
     pub fn from_parts(
         mesh: &PolygonMesh,
         kind: DictionaryKind,
@@ -96,6 +98,16 @@ impl SparseManifold {
         charts: Vec<(Vec<u16>, Vec<f64>)>,
     ) -> Result<Self, SplineError> {
         mesh.check_quads()?;
+        if let Some(degree) = degree.filter(|&degree| degree > DEGREE) {
+            return Err(SplineError::Degree { degree });
+        }
+        if let Some((vertex, valence)) = first_crowded(mesh) {
+            return Err(SplineError::Valence {
+                vertex,
+                valence,
+                most: MOST_VALENCE,
+            });
+        }
         let (found, expected) = (charts.len(), mesh.vertex_count());
         if found != expected {
             return Err(SplineError::Charts { found, expected });

@@ -58,6 +58,10 @@ pub struct LevelParts {
     pub control: Vec<[f64; 3]>,
 }
 
+/// Every leaf of a T-mesh has about one function, and caps take some of them away; with this many cells of
+/// base grids for each control vector memory stays in proportion to the file.
+const CELLS_PER_CONTROL: u128 = 16;
+
 /// Numbers that are no surface over a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -71,6 +75,16 @@ pub enum PartsError {
     /// Caps that do not fit.
     #[error("the caps: {0}")]
     Caps(#[from] CapsError),
+    /// Base grids of more cells than the control vectors can be of.
+    #[error(
+        "base grids of {cells} cells for {control} control vectors; they are damaged, fit again"
+    )]
+    Grids {
+        /// Number of cells.
+        cells: u128,
+        /// Number of control vectors.
+        control: usize,
+    },
     /// A split of a leaf that is not there, or cannot be split.
     #[error("split {index} is of leaf {leaf}, which is not there or too narrow")]
     Split {
@@ -202,6 +216,7 @@ impl TSplineSurface {
             form: parts.form.clone(),
             ends: parts.ends.clone(),
         };
+        check_grids(&parts.grids, parts.control.len())?;
         let domain = Domain::of_form(&given, &parts.snap)?
             .with_origins(parts.origins.clone())
             .with_outside(parts.outside.clone());
@@ -225,6 +240,16 @@ impl TSplineSurface {
             TSpline::new(space, control),
         ))
     }
+}
+
+/// Refuses grids that would take memory out of proportion to the numbers there are.
+fn check_grids(grids: &[Grid], control: usize) -> Result<(), PartsError> {
+    let of = |grid: &Grid| grid.columns as u128 * grid.rows as u128;
+    let cells = grids.iter().map(of).fold(0, u128::saturating_add);
+    if cells <= CELLS_PER_CONTROL * (control as u128 + 1) {
+        return Ok(());
+    }
+    Err(PartsError::Grids { cells, control })
 }
 
 fn check_count(what: &'static str, given: usize, needed: usize) -> Result<(), PartsError> {
@@ -389,6 +414,16 @@ mod tests {
         assert!(leaf.contains("leaf 90000"), "{leaf}");
         let number = refusal(&|p| p.shifts[7][1] = f64::NAN);
         assert!(number.contains("number 7 of the shifts"), "{number}");
+        // As large as a number can be, so that products overflow, and as memory could still be tried for.
+        for [columns, rows] in [
+            [usize::MAX; 2],
+            [1 << 61, 1],
+            [1, 1 << 40],
+            [1 << 20, 1 << 10],
+        ] {
+            let grids = refusal(&|p| p.grids[0] = Grid { columns, rows });
+            assert!(grids.contains("base grids of"), "{grids}");
+        }
         let form = refusal(&|p| p.form[3][1] += 0.25);
         assert!(form.contains("whole periods"), "{form}");
     }

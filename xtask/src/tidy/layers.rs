@@ -6,7 +6,7 @@ use super::Finding;
 use crate::tree::File;
 
 /// Layer of each package folder, from the bottom.
-const LAYERS: [(&str, u8); 16] = [
+const LAYERS: [(&str, u8); 17] = [
     ("crates/common", 1),
     ("crates/conformal", 2),
     ("crates/io", 2),
@@ -23,6 +23,7 @@ const LAYERS: [(&str, u8); 16] = [
     ("xtask", 5),
     ("tests", 5),
     ("tests/reference", 5),
+    ("tests/fuzz", 6),
 ];
 
 /// The method crates, one spline each.
@@ -36,12 +37,13 @@ pub(super) const METHODS: [&str; 6] = [
 ];
 
 /// Packages that may depend on `io`: those that touch files. Others may in their tests.
-const READERS: [&str; 6] = [
+const READERS: [&str; 7] = [
     "crates/compare",
     "crates/manifold-splines",
     "crates/cli",
     "xtask",
     "tests",
+    "tests/fuzz",
     "tests/reference",
 ];
 
@@ -99,6 +101,7 @@ fn folder_of(package: &str) -> Option<String> {
     match package {
         "manifold-splines" => Some("crates/manifold-splines".to_owned()),
         "msplines-tests" => Some("tests".to_owned()),
+        "msplines-fuzz" => Some("tests/fuzz".to_owned()),
         "msplines-reference" => Some("tests/reference".to_owned()),
         "xtask" => Some("xtask".to_owned()),
         _ => package

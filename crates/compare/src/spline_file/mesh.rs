@@ -29,7 +29,7 @@ impl StoredMesh {
     /// Returns the mesh.
     ///
     /// # Errors
-    /// Positions that are not finite, or faces that are not an oriented manifold.
+    /// Positions that are not finite, or faces that are not an oriented manifold or twice the same.
     pub fn restore(&self) -> Result<TriangleMesh, SplineFileError> {
         let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
         if let Some(vertex) = self.positions.iter().position(|p| !finite(p)) {
@@ -38,7 +38,24 @@ impl StoredMesh {
                 index: vertex,
             });
         }
+        if let Some([first, second]) = self.twin_faces() {
+            return Err(SplineFileError::TwinFaces { first, second });
+        }
         let positions = self.positions.iter().map(|&p| Point3::from(p)).collect();
         Ok(TriangleMesh::build(positions, self.faces.clone())?)
+    }
+
+    /// Returns two faces with the same corners: back to back they are an oriented manifold, but their
+    /// subdivision is none.
+    fn twin_faces(&self) -> Option<[usize; 2]> {
+        let sorted = |(index, face): (usize, &[u32; 3])| {
+            let mut corners = *face;
+            corners.sort_unstable();
+            (corners, index)
+        };
+        let mut faces: Vec<_> = self.faces.iter().enumerate().map(sorted).collect();
+        faces.sort_unstable();
+        let pair = faces.windows(2).find(|pair| pair[0].0 == pair[1].0);
+        pair.map(|pair| [pair[0].1, pair[1].1])
     }
 }

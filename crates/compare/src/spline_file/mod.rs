@@ -238,6 +238,13 @@ mod tests {
         let mut mesh = tetrahedron();
         mesh.positions[2][1] = f64::NAN;
         assert!(mesh.restore().is_err());
+        // Back to back they are a closed manifold, which subdivision would not take.
+        let pillow = StoredMesh {
+            positions: tetrahedron().positions[..3].to_vec(),
+            faces: vec![[0, 1, 2], [2, 1, 0]],
+        };
+        let message = pillow.restore().expect_err("refused").to_string();
+        assert!(message.contains("faces 0 and 1 of the mesh"), "{message}");
     }
 
     #[test]

@@ -20,7 +20,7 @@ use msplines_common::mesh::polygon::{PolygonMesh, Rules, Sharpness};
 use msplines_common::progress::{Observer, Outcome, Progress};
 
 use crate::dictionary::DictionaryKind;
-use crate::domain::{Domain, sharp_charts};
+use crate::domain::{Domain, Star, sharp_charts};
 use crate::error::FitError;
 use crate::observations::{LimitGrid, Observations};
 use crate::options::{Gate, Local, Options, SweepOrder};
@@ -28,8 +28,8 @@ use crate::spline::SparseManifold;
 use frozen::Frozen;
 use state::State;
 
-/// Highest valence that a chart takes: its atoms are numbered with 16 bits, and its Gram matrix has
-/// the square of their number.
+/// Highest valence that a chart takes: nodes of shape functions, two for each sector, are numbered with
+/// 8 bits, and its Gram matrix has the square of the number of atoms.
 pub(crate) const MOST_VALENCE: u32 = 120;
 
 /// Most levels of observations: a chart of valence 4 then has 13,689.
@@ -229,15 +229,22 @@ pub(crate) fn check(mesh: &PolygonMesh, options: &Options) -> Result<(), FitErro
     {
         return Err(FitError::NoSuchChart { chart, charts });
     }
-    let valence = |v: u32| mesh.topology().valence(v) as u32;
-    match (0..charts as u32).find(|&v| valence(v) > MOST_VALENCE) {
+    match first_crowded(mesh) {
         None => Ok(()),
-        Some(vertex) => Err(FitError::Valence {
+        Some((vertex, valence)) => Err(FitError::Valence {
             vertex,
-            valence: valence(vertex),
+            valence,
             most: MOST_VALENCE,
         }),
     }
+}
+
+/// Returns the first vertex whose star, closed where it lies on the boundary, has more faces than a chart
+/// takes, and how many.
+pub(crate) fn first_crowded(mesh: &PolygonMesh) -> Option<(u32, u32)> {
+    (0..mesh.vertex_count() as u32)
+        .map(|vertex| (vertex, Star::of(mesh.topology(), vertex).valence))
+        .find(|&(_, valence)| valence > MOST_VALENCE)
 }
 
 fn check_observations(mesh: &PolygonMesh, observations: &Observations) -> Result<(), FitError> {

@@ -1,5 +1,6 @@
 //! What fits promise: errors, gates, monotone sweeps, the same bits, and refusals.
 
+use msplines_common::Point3;
 use msplines_common::mesh::polygon::{PolygonMesh, Rules};
 use msplines_common::mesh::shapes::box_surface;
 use msplines_common::progress::{Outcome, unobserved};
@@ -188,6 +189,49 @@ fn a_surface_is_restored_from_its_charts() {
             .to_string()
             .contains("23 charts")
     );
+}
+
+#[test]
+fn stored_charts_that_no_fit_has_are_refused() {
+    let mesh = box_24();
+    let charts = |count: usize| vec![(Vec::new(), Vec::new()); count];
+    for degree in [15, u32::MAX] {
+        let refused =
+            SparseManifold::from_parts(&mesh, DictionaryKind::Own, Some(degree), charts(24));
+        let text = refused.expect_err("no such degree").to_string();
+        assert!(text.contains(&format!("degree {degree}")), "{text}");
+    }
+    // An open fan is closed by as many sectors again, so that it holds half as many faces.
+    for (is_closed, faces, sectors) in [(true, 121, 121), (false, 61, 122)] {
+        let fan = fan(faces, is_closed);
+        let vertices = fan.vertex_count();
+        let refused = SparseManifold::from_parts(&fan, DictionaryKind::Own, None, charts(vertices));
+        let text = refused.expect_err("too many").to_string();
+        assert!(text.contains(&format!("{sectors} sectors")), "{text}");
+        let (sharpness, options) = (smooth(&fan), Options::default());
+        let refused = fit(
+            &fan,
+            &sharpness,
+            Rules::default(),
+            &options,
+            &mut unobserved(),
+        );
+        let text = refused.expect_err("too many").to_string();
+        assert!(text.contains(&format!("{sectors} sectors")), "{text}");
+    }
+}
+
+/// Returns quads around one vertex.
+fn fan(faces: u32, is_closed: bool) -> PolygonMesh {
+    let rim = 2 * faces + u32::from(!is_closed);
+    let on_rim = |k: u32| 1 + k % rim;
+    let quads: Vec<[u32; 4]> = (0..faces)
+        .map(|f| [0, on_rim(2 * f), on_rim(2 * f + 1), on_rim(2 * f + 2)])
+        .collect();
+    let turn = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(2 * faces + 2);
+    let rim = (0..rim).map(|k| Point3::new(turn(k).cos(), turn(k).sin(), 0.0));
+    let positions = std::iter::once(Point3::origin()).chain(rim).collect();
+    PolygonMesh::from_quads(positions, &quads).expect("a fan")
 }
 
 #[test]

@@ -124,6 +124,12 @@ fn bad_samples_are_refused_with_their_number() {
     let parts = |support, coefficients| {
         LocalFunction::from_parts(STAR, DictionaryKind::Own, 14, support, coefficients)
     };
+    for (sectors, valence) in [(0, 0), (0, 5), (6, 5), (121, 121), (1, u32::MAX)] {
+        let star = Star { sectors, valence };
+        let odd = LocalFunction::from_parts(star, DictionaryKind::Own, 14, vec![], vec![]);
+        let text = odd.expect_err("no such star").to_string();
+        assert!(text.contains(&format!("{sectors} of {valence}")), "{text}");
+    }
     assert_eq!(
         parts(vec![200], vec![1.0]),
         Err(LocalError::NoSuchAtom {

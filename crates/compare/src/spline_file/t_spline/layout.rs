@@ -158,7 +158,8 @@ fn vertex_runs(origins: &[Option<u32>]) -> Vec<(Option<u32>, u32)> {
     let mut runs: Vec<(Option<u32>, u32)> = Vec::new();
     for &origin in origins {
         let follows = |first: Option<u32>, count: u32| match first {
-            Some(first) => Some(first + count) == origin,
+            // A damaged file may name the last number there is.
+            Some(first) => origin.is_some() && first.checked_add(count) == origin,
             None => origin.is_none(),
         };
         match runs.last_mut() {

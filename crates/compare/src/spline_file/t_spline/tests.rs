@@ -121,6 +121,10 @@ fn damage_is_refused_by_name() {
     assert!(faces.contains("faces"), "{faces}");
     let pole = refusal(&|s| s.ends[0] = End::Pole(90_000));
     assert!(pole.contains("90000"), "{pole}");
+    // The last number there is has no successor.
+    let last = StoredLayout::whole(StoredMesh::default(), &[Some(u32::MAX), Some(0)]);
+    assert_eq!(last.vertices, [(Some(u32::MAX), 1), (Some(0), 1)]);
+    assert!(last.restore(&mesh).is_err());
     let text = json!(stored)
         .to_string()
         .replacen("\"shifts\":\"", "\"shifts\":\"AAAA", 1);

@@ -1,0 +1,8 @@
+//! Curve networks in text.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use msplines_fuzz::readers::network;
+
+fuzz_target!(|bytes: &[u8]| network("a.curves", bytes));

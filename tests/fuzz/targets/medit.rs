@@ -1,0 +1,8 @@
+//! Solids in Medit.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use msplines_fuzz::readers::solid;
+
+fuzz_target!(|bytes: &[u8]| solid("a.mesh", bytes));
