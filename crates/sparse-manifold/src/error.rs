@@ -27,6 +27,18 @@ pub enum FitError {
         /// What was asked for.
         degree: u32,
     },
+    /// A chart of more splines than observations, whose surface between these would be anything.
+    #[error(
+        "chart {chart} has {found} observations for {needed} splines; give more levels (`--levels`), or choose sparse functions or polynomials (`--local`)"
+    )]
+    TooFewObservations {
+        /// The chart.
+        chart: usize,
+        /// Observations on it.
+        found: usize,
+        /// Functions to be determined.
+        needed: usize,
+    },
     /// A valence beyond what a chart can hold.
     #[error(
         "vertex {vertex} has {valence} edges; a chart takes at most {most}: split the faces around it"
@@ -80,6 +92,12 @@ pub enum SplineError {
     /// The control mesh has faces that are not quads.
     #[error(transparent)]
     ControlMesh(#[from] ControlMeshError),
+    /// A polynomial degree out of range.
+    #[error("polynomials of degree {degree}; the largest is 14: fit again")]
+    Degree {
+        /// What was stored.
+        degree: u32,
+    },
     /// The number of charts is not that of vertices.
     #[error("{found} charts for {expected} vertices; give the mesh that was fitted")]
     Charts {

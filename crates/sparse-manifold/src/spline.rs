@@ -12,7 +12,7 @@ use msplines_common::mesh::polygon::PolygonMesh;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::dictionary::{Atom, Dictionary, DictionaryKind};
+use crate::dictionary::{Atom, DEGREE, Dictionary, DictionaryKind};
 use crate::domain::{Domain, TURNS, corner_coordinates};
 use crate::error::SplineError;
 use crate::fit::charts::{COMPONENTS, Function, default_degree};
@@ -99,6 +99,9 @@ impl SparseManifold {
         let (found, expected) = (charts.len(), mesh.vertex_count());
         if found != expected {
             return Err(SplineError::Charts { found, expected });
+        }
+        if let Some(degree) = degree.filter(|&degree| degree > DEGREE) {
+            return Err(SplineError::Degree { degree });
         }
         let functions = charts.into_iter().map(|(support, coefficients)| Function {
             support,
