@@ -19,14 +19,14 @@ pub enum TSplineError {
     Fit(#[from] FitError),
     /// A tolerance that means nothing.
     #[error(
-        "--tolerance {given}: give a positive fraction of the longest side of the bounding box, such as 0.36%"
+        "--tolerance {given:?}: give a positive fraction of the longest side of the bounding box, such as 0.36%"
     )]
     Tolerance {
         /// What was asked for, as a fraction.
         given: f64,
     },
     /// Samples per control point beyond what is of use.
-    #[error("--face-samples {given}: give 0 to {most} samples per control point")]
+    #[error("--face-samples {given:?}: give 0 to {most} samples per control point")]
     FaceSamples {
         /// What was asked for.
         given: f64,
@@ -71,7 +71,10 @@ impl TSplineError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Fit(
-                FitError::Budget { .. } | FitError::Tolerance { .. } | FitError::Option { .. },
+                FitError::Budget { .. }
+                | FitError::LargeBudget { .. }
+                | FitError::Tolerance { .. }
+                | FitError::Option { .. },
             )
             | Self::FaceSamples { .. }
             | Self::Tolerance { .. }
