@@ -6,6 +6,7 @@
     reason = "a command's output is what it is for"
 )]
 
+mod battery;
 mod papers;
 mod repro;
 mod test;
@@ -28,6 +29,8 @@ struct Cli {
 enum Command {
     /// Reproduce the tables and figures of the papers.
     Repro(repro::Args),
+    /// Run every method on inputs and options that are wrong on purpose.
+    Battery(battery::Args),
     /// Run every check and every test; end non-zero if one fails.
     Test(test::Args),
     /// Check the invariants of ARCHITECTURE.md.
@@ -39,6 +42,7 @@ enum Command {
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Repro(args) => repro::run(&args),
+        Command::Battery(args) => battery::run(&args),
         Command::Test(args) => test::run(&args),
         Command::Tidy => tidy::run(),
         Command::Papers(args) => papers::run(&args),
