@@ -6,6 +6,7 @@
     reason = "a command's output is what it is for"
 )]
 
+mod battery;
 mod fuzz;
 mod papers;
 mod references;
@@ -30,6 +31,8 @@ struct Cli {
 enum Command {
     /// Reproduce the tables and figures of the papers.
     Repro(repro::Args),
+    /// Run every method on inputs and options that are wrong on purpose.
+    Battery(battery::Args),
     /// Run every check and every test; end non-zero if one fails.
     Test(test::Args),
     /// Run the fuzz targets for a bounded time each.
@@ -45,6 +48,7 @@ enum Command {
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Repro(args) => repro::run(&args),
+        Command::Battery(args) => battery::run(&args),
         Command::Test(args) => test::run(&args),
         Command::Fuzz(args) => fuzz::run(&args),
         Command::Tidy => tidy::run(),

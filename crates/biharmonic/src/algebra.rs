@@ -30,7 +30,7 @@ pub enum CombineError {
     #[error("no splines were given; give at least one")]
     Nothing,
     /// A factor is NaN or infinite.
-    #[error("the factor of spline {index} is {factor}; factors are finite")]
+    #[error("the factor of spline {index} is {factor:?}; give a finite one")]
     Factor {
         /// Index of the spline.
         index: usize,

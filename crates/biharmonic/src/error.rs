@@ -49,7 +49,7 @@ pub enum FitError {
     },
     /// The angle beyond which edges are creases makes no sense.
     #[error(
-        "edges sharper than {degrees} degrees cannot be found; give an angle between 0 and 180"
+        "edges sharper than {degrees:?} degrees cannot be found; give an angle between 0 and 180"
     )]
     CreaseAngle {
         /// The angle.
@@ -64,7 +64,9 @@ pub enum FitError {
         vertices: usize,
     },
     /// A weight is negative, NaN or infinite.
-    #[error("the weight of vertex {vertex} is {weight}; weights are finite and not negative")]
+    #[error(
+        "the weight of vertex {vertex} is {weight:?}; give a finite one that is not negative, at most 1e150"
+    )]
     Weight {
         /// The vertex.
         vertex: usize,
@@ -110,9 +112,9 @@ pub enum FitError {
         /// Components of a value.
         dimension: usize,
     },
-    /// A datum is NaN or infinite.
+    /// A datum is NaN, infinite or too large to be squared.
     #[error(
-        "component {component} of the data at vertex {vertex} is {value}; remove or replace it"
+        "component {component} of the data at vertex {vertex} is {value:?}; remove or replace it"
     )]
     DataNotFinite {
         /// The vertex.

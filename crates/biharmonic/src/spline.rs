@@ -25,7 +25,9 @@ pub enum PartsError {
         expected: usize,
     },
     /// A number is NaN or infinite.
-    #[error("number {index} of {what} is not finite")]
+    #[error(
+        "number {index} of {what} is not finite; give finite numbers, and factors and moves that do not overflow"
+    )]
     NotFinite {
         /// Which list.
         what: &'static str,

@@ -40,6 +40,9 @@ pub(crate) struct Centred {
     pub(crate) weights: Option<Vec<f64>>,
 }
 
+/// Largest datum and weight: the sum of a million squares is finite yet.
+const LARGEST: f64 = 1e150;
+
 impl Centred {
     /// Checks a target on a mesh of so many vertices.
     pub(crate) fn check(vertices: usize, target: &Target<'_>) -> Result<Self, FitError> {
@@ -51,7 +54,7 @@ impl Centred {
                 dimension,
             });
         }
-        if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+        if let Some(at) = values.iter().position(|value| !(value.abs() <= LARGEST)) {
             return Err(FitError::DataNotFinite {
                 vertex: at / dimension,
                 component: at % dimension,
@@ -155,7 +158,7 @@ fn checked_weights(vertices: usize, weights: &[f64]) -> Result<Option<Vec<f64>>,
             vertices,
         });
     }
-    if let Some(vertex) = weights.iter().position(|c| !(c.is_finite() && *c >= 0.0)) {
+    if let Some(vertex) = weights.iter().position(|c| !(0.0..=LARGEST).contains(c)) {
         return Err(FitError::Weight {
             vertex,
             weight: weights[vertex],

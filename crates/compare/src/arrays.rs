@@ -36,8 +36,11 @@ pub(crate) fn read_rows(path: &Path, option: &'static str) -> Result<Vec<Vec<f64
             ))),
         };
     }
-    let text =
-        std::fs::read_to_string(path).map_err(|e| refused(format!("cannot be read: {e}")))?;
+    let text = std::fs::read_to_string(path).map_err(|e| {
+        refused(format!(
+            "cannot be read: {e}; give a NumPy array or text file"
+        ))
+    })?;
     let mut rows = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let content = line.split('#').next().unwrap_or_default();
@@ -48,7 +51,7 @@ pub(crate) fn read_rows(path: &Path, option: &'static str) -> Result<Vec<Vec<f64
             Err(_) => {
                 let line = index + 1;
                 return Err(refused(format!(
-                    "line {line} holds something that is no number"
+                    "line {line} holds something that is no number; correct it there"
                 )));
             }
         }
@@ -83,7 +86,10 @@ fn weights_in(path: &Path) -> Result<Vec<f64>, RunError> {
         Some(row) => Err(RunError::Array {
             option: "--weights",
             file: file_name(path),
-            reason: format!("row {row} has {} numbers instead of one", rows[row].len()),
+            reason: format!(
+                "row {row} has {} numbers instead of one; give one a row",
+                rows[row].len()
+            ),
         }),
     }
 }
@@ -106,7 +112,7 @@ pub(crate) fn edges(path: &Path) -> Result<Vec<[u32; 2]>, RunError> {
             edge(row).ok_or_else(|| RunError::Array {
                 option: "--features",
                 file: file_name(path),
-                reason: format!("row {index} is no pair of vertices, counted from zero"),
+                reason: format!("row {index} is no pair of vertices; give two, counted from zero"),
             })
         })
         .collect()

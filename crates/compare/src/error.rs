@@ -139,7 +139,9 @@ pub enum RunError {
         option: &'static str,
     },
     /// An attribute that the file does not have.
-    #[error("{file} has no vertex attribute `{name}`; it has: {available}")]
+    #[error(
+        "{file} has no vertex attribute `{name}`; it has: {available}; give such a name, or fit the positions"
+    )]
     NoSuchAttribute {
         /// The file.
         file: String,
@@ -175,6 +177,14 @@ pub enum RunError {
     /// The fitted or stored spline could not be evaluated.
     #[error(transparent)]
     Spline(#[from] SplineFileError),
+    /// What is wrong with a spline file, or with the spline in it.
+    #[error("{file}: {source}")]
+    InSplineFile {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        source: Box<Self>,
+    },
     /// The distance between the surfaces cannot be measured.
     #[error("--distance: {0}")]
     Distance(#[from] msplines_common::metrics::DistanceError),
@@ -216,6 +226,27 @@ impl RunError {
         }
     }
 
+    /// Returns the error with the name of the spline file that it comes from, unless it names a file or is
+    /// about the command.
+    pub(crate) fn in_spline_file(self, path: &Path) -> Self {
+        let names_file = match &self {
+            Self::Input { .. } | Self::Array { .. } | Self::InSplineFile { .. } => true,
+            Self::Spline(error) => matches!(error, SplineFileError::Unreadable { .. }),
+            _ => false,
+        };
+        if names_file || self.exit_code() == exit::USAGE {
+            return self;
+        }
+        Self::InSplineFile {
+            file: path
+                .file_name()
+                .unwrap_or(path.as_os_str())
+                .to_string_lossy()
+                .into_owned(),
+            source: Box::new(self),
+        }
+    }
+
     /// Returns what tells why the file at `path` was not written.
     pub(crate) fn unwritten<E: ToString>(path: &Path) -> impl Fn(E) -> Self {
         move |reason| Self::Write {
@@ -240,6 +271,7 @@ impl RunError {
             | Self::Array { .. }
             | Self::NoSuchAttribute { .. } => exit::INPUT,
             Self::Spline(error) => error.exit_code(),
+            Self::InSplineFile { source, .. } => source.exit_code(),
             Self::SparseManifold(error) => manifold_exit_code(error),
             Self::CurveNetwork(_) => exit::METHOD,
             Self::Trivariate(error) => error.exit_code(),
@@ -283,6 +315,7 @@ fn manifold_exit_code(error: &msplines_sparse_manifold::FitError) -> u8 {
         FitError::NoAtoms
         | FitError::EmptyCharts
         | FitError::Levels { .. }
+        | FitError::TooFewObservations { .. }
         | FitError::Degree { .. }
         | FitError::NoSuchChart { .. }
         | FitError::Number { .. } => exit::USAGE,
@@ -371,7 +404,9 @@ pub enum SplineFileError {
         what: &'static str,
     },
     /// A level that is not in the file.
-    #[error("--level {level}: the file has levels 0, the coarsest, to {last}, the surface itself")]
+    #[error(
+        "--level {level}: the file has levels 0, the coarsest, to {last}, the surface itself; give one of them"
+    )]
     NoSuchLevel {
         /// What was asked for.
         level: usize,
@@ -451,7 +486,7 @@ pub enum SplineFileError {
     #[error("trivariate: {0}; the spline file is damaged, fit again")]
     Trivariate(#[from] msplines_trivariate::spline::SplineError),
     /// The spline could not be evaluated.
-    #[error(transparent)]
+    #[error("{0}; where its file is damaged, fit again")]
     Evaluate(#[from] EvaluateError),
 }
 

@@ -8,6 +8,7 @@
 pub mod animation;
 mod arrays;
 pub mod atlas_file;
+pub mod battery;
 pub mod campaign;
 pub mod case;
 pub mod clock;

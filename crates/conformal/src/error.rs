@@ -86,7 +86,9 @@ pub enum ConformalError {
         determinant: f64,
     },
     /// The number of coefficients or periods is not that of the classes.
-    #[error("{given} numbers were given for the {needed} classes of a surface of genus {genus}")]
+    #[error(
+        "{given} numbers were given for the {needed} classes of a surface of genus {genus}; give as many"
+    )]
     ClassCount {
         /// How many were given.
         given: usize,

@@ -78,7 +78,9 @@ pub enum FitError {
         value: f64,
     },
     /// A weight that no least-squares row can have.
-    #[error("a control weight of {weight} is not positive and finite; use 1, or hard constraints")]
+    #[error(
+        "a control weight of {weight:?} is not positive with a finite square; use 1, or hard constraints"
+    )]
     Weight {
         /// The weight.
         weight: f64,

@@ -27,6 +27,18 @@ pub enum FitError {
         /// What was asked for.
         degree: u32,
     },
+    /// A chart of more splines than observations, whose surface between these would be anything.
+    #[error(
+        "chart {chart} has {found} observations for {needed} splines; give more levels (`--levels`), or choose sparse functions or polynomials (`--local`)"
+    )]
+    TooFewObservations {
+        /// The chart.
+        chart: usize,
+        /// Observations on it.
+        found: usize,
+        /// Functions to be determined.
+        needed: usize,
+    },
     /// A valence beyond what a chart can hold.
     #[error(
         "the chart of vertex {vertex} has {valence} sectors; it takes at most {most}: split the faces around it"

@@ -112,6 +112,9 @@ impl SparseManifold {
         if found != expected {
             return Err(SplineError::Charts { found, expected });
         }
+        if let Some(degree) = degree.filter(|&degree| degree > DEGREE) {
+            return Err(SplineError::Degree { degree });
+        }
         let functions = charts.into_iter().map(|(support, coefficients)| Function {
             support,
             coefficients,

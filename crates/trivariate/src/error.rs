@@ -1,5 +1,6 @@
 //! Why there is no solid.
 
+use crate::options::MOST_SAMPLES;
 use crate::spline::MOST_SPANS;
 
 /// Why a fit has no result.
@@ -9,6 +10,12 @@ pub enum FitError {
     /// Nothing to fit.
     #[error("there are no samples with a positive weight; give some")]
     NoSamples,
+    /// More samples than a fit holds in memory.
+    #[error("{samples} samples are asked for; ask for at most {MOST_SAMPLES}")]
+    TooManySamples {
+        /// What was asked for, inside and on the surface together.
+        samples: usize,
+    },
     /// Arrays of different lengths.
     #[error("{parameters} parameters, {points} points and {weights} weights; give one of each")]
     Lengths {
@@ -58,7 +65,7 @@ pub enum FitError {
         most: usize,
     },
     /// An option that means nothing.
-    #[error("`{name}` is {value}; give a number {range}")]
+    #[error("`{name}` is {value:?}; give a number {range}")]
     Number {
         /// The option.
         name: &'static str,

@@ -16,6 +16,9 @@ pub struct Domain {
     pub volume: VolumeOptions,
 }
 
+/// Most samples of a fit: some 5 GB of points, parameters and rows.
+pub const MOST_SAMPLES: usize = 20_000_000;
+
 /// Which points of a solid a spline is fitted to.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -118,7 +118,7 @@ fn bad_weights_are_refused_with_their_place() {
         run(&vec![1.0; n - 1]),
         FitError::WeightCount { .. }
     ));
-    for bad in [-1.0, f64::NAN] {
+    for bad in [-1.0, f64::NAN, 1e308] {
         let mut weights = vec![1.0; n];
         weights[9] = bad;
         assert!(matches!(run(&weights), FitError::Weight { vertex: 9, .. }));

@@ -20,11 +20,11 @@ pub(crate) struct PowellSabin {
     #[arg(
         long,
         value_name = "MEMBRANE,THINPLATE",
-        value_delimiter = ',',
-        num_args = 2,
-        default_value = "1,1"
+        value_parser = fairness,
+        default_value = "1,1",
+        allow_hyphen_values = true
     )]
-    pub(crate) fairness: Vec<f64>,
+    pub(crate) fairness: [f64; 2],
     /// Lengths in which the thin plate is fair: those of the flat domain, as in the paper, or of the
     /// mesh.
     #[arg(long, value_enum, default_value_t = Weights::Geometric)]
@@ -115,6 +115,11 @@ pub(crate) struct Reshape {
         required_unless_present = "list"
     )]
     pub(crate) outputs: Vec<PathBuf>,
+}
+
+/// Their signs are for the fit to judge.
+fn fairness(text: &str) -> Result<[f64; 2], String> {
+    numbers::<2>(text).map_err(|_| "give two finite weights, such as 1,1".to_owned())
 }
 
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {

@@ -155,3 +155,22 @@ fn knots_inside_faces_are_stored_with_their_places() {
     workbench.expect(0, "evaluate s.json -o again.ply");
     assert_eq!(workbench.bytes("again.ply"), workbench.bytes("o.ply"));
 }
+
+/// A knot that is named twice counts once.
+#[test]
+fn duplicated_places_of_knots_change_nothing() {
+    let workbench = Workbench::new();
+    let mesh = mesh();
+    let places = mesh.positions().iter().step_by(16);
+    let mut lines: Vec<String> = places
+        .map(|p| format!("v {} {} {}\n", p.x, p.y, p.z))
+        .collect();
+    workbench.write("once.obj", &lines.concat());
+    lines.push(lines[0].clone());
+    workbench.write("twice.obj", &lines.concat());
+    for name in ["once", "twice"] {
+        let fit = format!("fit biharmonic mesh.ply --knots-from {name}.obj -o {name}.ply");
+        workbench.expect(0, &fit);
+    }
+    assert_eq!(workbench.bytes("once.ply"), workbench.bytes("twice.ply"));
+}

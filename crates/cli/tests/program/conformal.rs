@@ -1,11 +1,8 @@
 //! What the program does with conformal atlases.
 
-use std::path::Path;
-
 use msplines_common::mesh::shapes;
 use msplines_io::read_npy;
 
-use crate::hostile;
 use crate::workbench::{VERTICES, Workbench};
 
 /// Returns a folder with a sphere (`mesh.ply`), a torus, a double torus and an annulus.
@@ -235,41 +232,5 @@ fn any_number_of_threads_gives_the_same_bytes() {
     for extension in ["json", "obj", "glb"] {
         let bytes = |threads: u32| workbench.bytes(&format!("{threads}.{extension}"));
         assert_eq!(bytes(1), bytes(2), "{extension}");
-    }
-}
-
-/// Lays out a broken file with and without repair.
-fn battery(workbench: &Workbench, path: &Path) {
-    let file = path.to_string_lossy();
-    for repair in [None, Some("--repair")] {
-        let arguments = ["conformal", &file, "-o", "o.ply", "--report", "r.json"];
-        let ran = workbench.run_on(arguments.into_iter().chain(repair));
-        let what = format!("conformal {file} {repair:?}");
-        hostile::check(&ran, &what);
-        if ran.code == 0 {
-            let soup = workbench.soup("o.ply");
-            let positions = soup.positions.iter();
-            assert!(
-                positions.flat_map(|p| p.iter()).all(|x| x.is_finite()),
-                "{what}"
-            );
-            let record: msplines_compare::record::Record =
-                serde_json::from_slice(&workbench.bytes("r.json")).expect(&what);
-            assert_eq!(record.number("checks.flips"), Some(0.0), "{what}");
-            assert!(
-                record
-                    .number("checks.conformal_k_mean")
-                    .is_some_and(|k| k >= 1.0),
-                "{what}"
-            );
-        }
-    }
-}
-
-#[test]
-fn broken_files_give_an_atlas_or_a_reason() {
-    match hostile::broken_files() {
-        Some(files) => hostile::each_of(&files, battery),
-        None => println!("not run: hostile"),
     }
 }

@@ -96,6 +96,7 @@ fn a_damaged_spline_file_is_refused() {
         workbench.write("bad.json", bad);
         let ran = workbench.expect(3, "evaluate bad.json -o o.ply");
         assert!(!ran.err.contains("panicked"), "{}", ran.err);
+        assert!(ran.err.contains("error: bad.json: "), "{}", ran.err);
     }
     workbench.expect(3, "evaluate none.json -o o.ply");
 }

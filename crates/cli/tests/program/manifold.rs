@@ -6,7 +6,7 @@ use msplines_common::mesh::curves::CurveNetwork;
 use msplines_common::mesh::polygon::PolygonMesh;
 use msplines_common::mesh::shapes::{self, Opening};
 
-use crate::workbench::{Workbench, models};
+use crate::workbench::Workbench;
 
 fn obj(mesh: &PolygonMesh) -> String {
     let mut text = String::new();
@@ -233,42 +233,5 @@ fn bad_networks_are_refused_with_their_place() {
             ran.err
         );
         assert!(!workbench.path("no.ply").exists(), "{file}");
-    }
-}
-
-/// Files that are broken on purpose, as control meshes and as networks.
-#[test]
-fn broken_files_are_refused_as_control_meshes_and_networks() {
-    let Some(folder) = models().map(|models| models.join("hostile")) else {
-        println!("not run: hostile control meshes");
-        return;
-    };
-    let workbench = Workbench::new();
-    let mut files: Vec<_> = std::fs::read_dir(folder)
-        .expect("readable")
-        .map(|entry| entry.expect("readable").path())
-        .collect();
-    files.sort();
-    for path in files {
-        let file = path.to_string_lossy().into_owned();
-        for method in ["sparse-manifold", "curve-network"] {
-            let outputs = ["-o", "no.ply", "--levels", "1"];
-            let outputs = if method == "sparse-manifold" {
-                &outputs[..]
-            } else {
-                &outputs[..2]
-            };
-            let arguments = ["fit", method, &file];
-            let ran = workbench.run_on(arguments.iter().copied().chain(outputs.iter().copied()));
-            // None of them is a mesh of quads or a network.
-            assert!([3, 4].contains(&ran.code), "{method} {file}: {ran:?}");
-            assert!(ran.err.contains("error: "), "{method} {file}: {}", ran.err);
-            assert!(
-                !ran.err.contains("panicked"),
-                "{method} {file}: {}",
-                ran.err
-            );
-            assert!(!workbench.path("no.ply").exists(), "{method} {file}");
-        }
     }
 }

@@ -141,7 +141,9 @@ fn what_cannot_be_meant_is_refused_with_a_remedy() {
     assert!(many.err.contains("from 1 to 64"), "{}", many.err);
     let form = workbench.expect(4, "fit powell-sabin ball.ply --form optimal -o x.ply");
     assert!(form.err.contains("genus 0"), "{}", form.err);
-    workbench.expect(2, "fit powell-sabin ring.ply --fairness=-1,1 -o x.ply");
+    let weight = workbench.expect(2, "fit powell-sabin ring.ply --fairness=-1,1 -o x.ply");
+    assert!(weight.err.contains("-1"), "{}", weight.err);
+    workbench.expect(0, "fit powell-sabin ring.ply --fairness 1,0.5 -o x.ply");
     workbench.write("points.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n0 0 0 0 0 1\n");
     let points = workbench.expect(3, "fit powell-sabin points.ply -o x.ply");
     assert!(points.err.contains("reconstruct"), "{}", points.err);

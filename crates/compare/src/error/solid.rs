@@ -81,6 +81,7 @@ impl TrivariateError {
             Self::Solid(SolidError::Fit(
                 FitError::Levels { .. }
                 | FitError::TooFine { .. }
+                | FitError::TooManySamples { .. }
                 | FitError::Number { .. }
                 | FitError::Weight { .. },
             ))

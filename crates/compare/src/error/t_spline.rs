@@ -19,7 +19,7 @@ pub enum TSplineError {
     Fit(#[from] FitError),
     /// A tolerance that means nothing.
     #[error(
-        "--tolerance {given}: give a positive fraction of the longest side of the bounding box, such as 0.36%"
+        "--tolerance {given:?}: give a positive fraction of the longest side of the bounding box, such as 0.36%"
     )]
     Tolerance {
         /// What was asked for, as a fraction.
@@ -64,6 +64,7 @@ impl TSplineError {
         match self {
             Self::Fit(
                 FitError::Budget { .. }
+                | FitError::LargeBudget { .. }
                 | FitError::Tolerance { .. }
                 | FitError::Sampling { .. }
                 | FitError::Option { .. },

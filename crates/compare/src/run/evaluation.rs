@@ -96,6 +96,15 @@ pub fn evaluate(
     process_start: Instant,
     observer: &mut Observer<'_>,
 ) -> Result<RunOutput, RunError> {
+    let ended = read_and_evaluate(evaluation, process_start, observer);
+    ended.map_err(|error| error.in_spline_file(&evaluation.spline))
+}
+
+fn read_and_evaluate(
+    evaluation: &Evaluation,
+    process_start: Instant,
+    observer: &mut Observer<'_>,
+) -> Result<RunOutput, RunError> {
     let mut clock = PhaseClock::start(process_start);
     enter("read", &mut clock, observer);
     let spline = SplineFile::read(&evaluation.spline)?;

@@ -305,8 +305,11 @@ fn record(
     record
 }
 
+/// Largest number whose square is measured.
+const LARGEST: f64 = 1e150;
+
 fn check_finite(values: &[f64], dimension: usize) -> Result<(), RunError> {
-    match values.iter().position(|x| !x.is_finite()) {
+    match values.iter().position(|x| !(x.abs() <= LARGEST)) {
         Some(index) => Err(RunError::NotFinite {
             vertex: index / dimension,
         }),

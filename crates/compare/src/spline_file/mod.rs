@@ -47,7 +47,10 @@ pub struct SplineFile {
 
 /// The domain of a stored spline.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "the domain has neither `sha256` with `repair`, nor a whole `mesh`, `polygons` or `cube` of finite numbers"
+)]
 pub enum StoredDomain {
     /// The mesh file with this digest.
     Digest {

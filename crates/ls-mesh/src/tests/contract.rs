@@ -94,7 +94,7 @@ fn what_does_not_fit_the_mesh_is_refused_with_a_remedy() {
     );
     assert_eq!(
         refused(&given(&[7], Constraints::Soft { weight: -1.0 }), &values),
-        "a control weight of -1 is not positive and finite; use 1, or hard constraints"
+        "a control weight of -1.0 is not positive with a finite square; use 1, or hard constraints"
     );
     assert_eq!(
         refused(

@@ -53,6 +53,10 @@ impl PowellSabinSpline {
             return Err(EditError::Value { vertex });
         }
         let gradient = self.vertex_gradient(vertex).map(|g| factor * g);
+        // What is derived from gradients is of their squares.
+        if gradient.iter().any(|g| !g.norm_squared().is_finite()) {
+            return Err(EditError::Value { vertex });
+        }
         self.with_gradient(vertex, gradient)
     }
 

@@ -293,7 +293,7 @@ fn edits_that_are_none_are_refused() {
         error(spline.with_normal(3, Vector3::zeros())),
         EditError::Value { vertex: 3 }
     );
-    for factor in [0.0, -1.0, f64::NAN] {
+    for factor in [0.0, -1.0, f64::NAN, 1e308] {
         let found = error(spline.with_scaled_control_triangle(3, factor));
         assert_eq!(found, EditError::Value { vertex: 3 });
     }

@@ -103,6 +103,7 @@ pub fn fit_to(
     let domain = Domain::build(mesh.topology());
     let sharp = sharp_charts(mesh.topology(), sharpness);
     let mut state = State::start(mesh.topology(), domain, &sharp, observations, options);
+    check_splines(&state, options)?;
     let report = run(&mut state, &sharp, options, observer);
     let spline = state.spline(mesh, options);
     Ok(Fit { spline, report })
@@ -126,6 +127,24 @@ pub(crate) fn run(
     sweep(state, &mut report, options, observer);
     [report.c0_atoms_smooth, report.c0_atoms_crease] = state.shape_counts(sharp);
     report
+}
+
+/// Splines are local: where a chart has fewer observations, those between them may be anything. Of
+/// polynomials the lower degrees are determined first, and the others left out.
+fn check_splines(state: &State, options: &Options) -> Result<(), FitError> {
+    if options.local != Local::Spline {
+        return Ok(());
+    }
+    let charts = state.charts.iter();
+    let mut counts = charts.map(|chart| (chart.observations.len(), chart.design.atoms));
+    match counts.position(|(found, needed)| found < needed) {
+        None => Ok(()),
+        Some(chart) => Err(FitError::TooFewObservations {
+            chart,
+            found: state.charts[chart].observations.len(),
+            needed: state.charts[chart].design.atoms,
+        }),
+    }
 }
 
 /// Sweeps until one brings too little.

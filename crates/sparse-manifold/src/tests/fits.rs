@@ -175,6 +175,14 @@ fn a_surface_is_restored_from_its_charts() {
         spline.position(3, [0.3, 0.8])
     );
     assert_eq!(again.coefficient_count(), spline.coefficient_count());
+    let endless =
+        SparseManifold::from_parts(&mesh, DictionaryKind::Own, Some(u32::MAX), charts.clone());
+    assert!(
+        endless
+            .expect_err("no such degree")
+            .to_string()
+            .contains("degree 4294967295")
+    );
     let mut damaged = charts.clone();
     damaged[5].0[0] = 999;
     assert!(
@@ -327,6 +335,12 @@ fn refusals_name_the_option_and_the_place() {
     assert!(refusal(&|o| o.local = shapes).contains("smooth charts would be empty"));
     assert!(refusal(&|o| o.levels = 0).contains("0 levels"));
     assert!(refusal(&|o| o.levels = 9).contains("9 levels"));
+    // Nine observations around a vertex leave the splines of a chart open.
+    let coarse = refusal(&|o| (o.local, o.levels) = (Local::Spline, 1));
+    assert!(
+        coarse.contains("for 81 splines") && coarse.contains("--levels"),
+        "{coarse}"
+    );
     assert!(refusal(&|o| o.local = Local::Polynomial { degree: Some(15) }).contains("degree 15"));
     assert!(refusal(&|o| o.smooth_charts = vec![24]).contains("chart 24"));
     assert!(refusal(&|o| o.least_progress = f64::NAN).contains("least_progress"));

@@ -90,7 +90,9 @@ pub enum EditError {
         count: usize,
     },
     /// A number that is not finite, or a negative distance.
-    #[error("movement {index} has a number that is not finite, or a negative distance")]
+    #[error(
+        "movement {index} has a number that is not finite or too large, or a negative distance; give others"
+    )]
     Number {
         /// The movement.
         index: usize,
@@ -140,6 +142,13 @@ impl TSplineSpace {
     }
 }
 
+/// Whether a number may be a length: finite, and its square, too.
+fn is_length(x: &f64) -> bool {
+    /// The largest that may.
+    const LARGEST: f64 = 1e100;
+    x.abs() <= LARGEST
+}
+
 impl TSpline {
     /// Returns all control vectors, in the order of [`TSpline::control`].
     #[must_use]
@@ -175,7 +184,7 @@ impl TSpline {
     pub fn with_moved(&self, moves: &[(u32, Vector3<f64>)]) -> Result<Self, EditError> {
         let mut control = self.control().to_vec();
         for (index, &(point, by)) in moves.iter().enumerate() {
-            if !by.iter().all(|x| x.is_finite()) {
+            if !by.iter().all(is_length) {
                 return Err(EditError::Number { index });
             }
             let count = self.control().len();
@@ -194,8 +203,8 @@ impl TSpline {
     /// # Errors
     /// A number that is not finite, or a negative distance.
     pub fn dragged_by(&self, drag: &Drag) -> Result<Vec<(u32, Vector3<f64>)>, EditError> {
-        let numbers = drag.at.coords.iter().chain(&drag.by).chain([&drag.within]);
-        if !numbers.copied().all(f64::is_finite) || drag.within < 0.0 {
+        let mut numbers = drag.at.coords.iter().chain(&drag.by).chain([&drag.within]);
+        if !numbers.all(is_length) || drag.within < 0.0 {
             return Err(EditError::Number { index: 0 });
         }
         let is_point = |kind| !matches!(kind, ControlKind::Coefficient { .. });
@@ -231,7 +240,10 @@ impl TSpline {
     /// # Panics
     /// If a point names a cylinder that is not there.
     pub fn pulled_by(&self, pulls: &[Pull]) -> Result<Vec<(u32, Vector3<f64>)>, EditError> {
-        let finite = |p: &Pull| p.to.iter().chain([&p.at.x, &p.at.y]).all(|x| x.is_finite());
+        if pulls.is_empty() {
+            return Ok(Vec::new());
+        }
+        let finite = |p: &Pull| p.to.iter().chain([&p.at.x, &p.at.y]).all(is_length);
         if let Some(index) = pulls.iter().position(|p| !finite(p)) {
             return Err(EditError::Number { index });
         }

@@ -203,6 +203,9 @@ fn what_is_no_movement_is_refused_by_name() {
         beyond.to_string(),
         format!("there is no control point {count}: there are {count}, counted from 0")
     );
+    assert_eq!(spline.pulled_by(&[]), Ok(Vec::new()));
+    let far = [(0, Vector3::new(1e308, 0.0, 0.0))];
+    assert_eq!(spline.with_moved(&far), Err(EditError::Number { index: 0 }));
     let nan = [(0, Vector3::zeros()), (1, Vector3::new(f64::NAN, 0.0, 0.0))];
     assert_eq!(spline.with_moved(&nan), Err(EditError::Number { index: 1 }));
 }

@@ -11,7 +11,7 @@ pub enum FitError {
     #[error("there are no samples; give the vertices of the mesh")]
     NoSamples,
     /// A sample that is no point.
-    #[error("sample {sample} has a coordinate or a weight that is not finite")]
+    #[error("sample {sample} has a coordinate or a weight that is not finite; remove it")]
     NotFinite {
         /// The sample.
         sample: usize,
@@ -38,8 +38,16 @@ pub enum FitError {
         /// Those needed.
         least: usize,
     },
+    /// More control points than a fit holds in memory.
+    #[error("{given} control points are asked for; ask for at most {most}")]
+    LargeBudget {
+        /// Those allowed.
+        given: usize,
+        /// The most.
+        most: usize,
+    },
     /// A tolerance that no surface meets.
-    #[error("the tolerance {given} is not a positive length")]
+    #[error("the tolerance {given} is not a positive length; give one")]
     Tolerance {
         /// The one given.
         given: f64,
@@ -55,7 +63,7 @@ pub enum FitError {
         most: f64,
     },
     /// Options out of their range.
-    #[error("{option} must be {range}, not {given}")]
+    #[error("{option} must be {range}, not {given:?}")]
     Option {
         /// The option.
         option: &'static str,
@@ -71,7 +79,9 @@ pub enum FitError {
     #[error(transparent)]
     Caps(#[from] CapsError),
     /// A system that cannot be solved.
-    #[error("the system of {unknowns} unknowns cannot be solved: {reason}")]
+    #[error(
+        "the system of {unknowns} unknowns cannot be solved: {reason}; choose another fairness, or allow fewer control points"
+    )]
     Solve {
         /// Number of unknowns.
         unknowns: usize,

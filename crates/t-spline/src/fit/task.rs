@@ -28,6 +28,9 @@ pub(super) fn grids(complex: &CylinderComplex, samples: &[Sample], cells: usize)
         .collect()
 }
 
+/// Most control points of a fit: a factorisation of more takes tens of gigabytes.
+const MOST_CONTROL_POINTS: usize = 2_000_000;
+
 pub(super) fn centre(samples: &[Sample]) -> Vector3<f64> {
     let sum: Vector3<f64> = samples.iter().map(|s| s.position.coords).sum();
     sum / samples.len() as f64
@@ -68,6 +71,14 @@ pub(super) fn check(
 }
 
 fn check_options(options: &FitOptions) -> Result<(), FitError> {
+    if let Stop::ControlPoints(given) = options.stop
+        && given > MOST_CONTROL_POINTS
+    {
+        return Err(FitError::LargeBudget {
+            given,
+            most: MOST_CONTROL_POINTS,
+        });
+    }
     if let Stop::Tolerance(given) = options.stop
         && !(given > 0.0 && given.is_finite())
     {

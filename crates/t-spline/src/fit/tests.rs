@@ -204,6 +204,8 @@ fn tasks_that_are_none_are_refused() {
     let FitError::Budget { given: 5, least } = run(&points, &budget(5)) else {
         panic!("a budget");
     };
+    let endless = run(&points, &budget(usize::MAX));
+    assert!(matches!(endless, FitError::LargeBudget { .. }), "{endless}");
     assert_eq!(fitted(&points, &budget(least)).report.unknowns, least);
     for length in [0.0, -1.0, f64::NAN] {
         let options = FitOptions {

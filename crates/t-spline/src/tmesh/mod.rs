@@ -30,6 +30,8 @@ use crate::complex::{CylinderComplex, Point};
 
 /// Leaves narrower than twice this many units are not split: halves of intervals must stay whole.
 const NARROWEST: i64 = 8;
+/// Most cells of a base grid: twice as many as a fit may have control points.
+const MOST_CELLS: usize = 4_000_000;
 
 /// The direction in which a leaf is halved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -123,6 +125,9 @@ impl TMesh {
         };
         for (index, grid) in grids.iter().enumerate() {
             let cylinder = index as u32;
+            if grid.columns.saturating_mul(grid.rows) > MOST_CELLS {
+                return Err(TMeshError::Grid { cylinder });
+            }
             let (xs, ys) = grid.lines(&complex.cylinders()[index]);
             let fine = |lines: &[i64]| lines.windows(2).any(|w| w[1] - w[0] < NARROWEST);
             if grid.columns == 0 || grid.rows == 0 || fine(&xs) || fine(&ys) {

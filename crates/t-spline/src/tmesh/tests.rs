@@ -210,6 +210,12 @@ fn grids_that_fit_nothing_are_named() {
     };
     let wrong = TMesh::build(&complex, &[GRID, none, GRID]).expect_err("no columns");
     assert_eq!(wrong, TMeshError::Grid { cylinder: 1 });
+    let endless = Grid {
+        columns: u32::MAX as usize,
+        rows: 2,
+    };
+    let wrong = TMesh::build(&complex, &[GRID, GRID, endless]).expect_err("too many columns");
+    assert_eq!(wrong, TMeshError::Grid { cylinder: 2 });
     let mut tiny = TMesh::build(&Arc::new(double_torus()), &[GRID; 3]).expect("a mesh");
     while tiny.split(0, Axis::Both) {}
     assert!(tiny.leaves()[0].size()[0] < 16);

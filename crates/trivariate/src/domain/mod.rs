@@ -30,6 +30,7 @@ use self::volume::{Corners, CubeMap, Trial, VolumeError};
 use crate::error::FitError;
 use crate::fit::least_squares;
 use crate::measure::degenerate;
+use crate::options::MOST_SAMPLES;
 pub use crate::options::{Domain as DomainOptions, Sampling};
 use crate::samples::VolumeSamples;
 use crate::spline::TrivariateSpline;
@@ -177,7 +178,7 @@ impl Domain {
     /// Returns samples for a fit.
     ///
     /// # Errors
-    /// A weight that is negative or not finite; no samples.
+    /// A weight that is negative or not finite; no samples, or too many.
     pub fn samples(&self, sampling: &Sampling) -> Result<VolumeSamples, FitError> {
         match *sampling {
             Sampling::Vertices => {
@@ -190,6 +191,10 @@ impl Domain {
                 surface,
                 surface_weight,
             } => {
+                let samples = interior.saturating_add(surface);
+                if samples > MOST_SAMPLES {
+                    return Err(FitError::TooManySamples { samples });
+                }
                 let sampler = self.sampler();
                 let inside = sampler.interior(interior, Draw::Fitted);
                 let outside = sampler.surface(surface, Draw::Fitted);

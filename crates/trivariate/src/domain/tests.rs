@@ -32,6 +32,20 @@ fn build(solid: Solid<'_>, corners: Corners) -> Result<Domain, DomainError> {
     Domain::build(solid, &options(corners), &mut unobserved())
 }
 
+#[test]
+fn more_samples_than_memory_holds_are_refused() {
+    let domain = box_domain();
+    for (interior, surface) in [(usize::MAX, 1), (1, usize::MAX), (15_000_000, 15_000_000)] {
+        let sampling = Sampling::Even {
+            interior,
+            surface,
+            surface_weight: 1.0,
+        };
+        let refused = domain.samples(&sampling);
+        assert!(matches!(refused, Err(FitError::TooManySamples { .. })));
+    }
+}
+
 /// A box of which every sample must be where its parameter says.
 fn box_domain() -> Domain {
     let mesh = box_solid([4, 3, 2]);

@@ -49,8 +49,8 @@ pub enum SplineError {
         /// How many are due.
         expected: usize,
     },
-    /// A control point is NaN or infinite.
-    #[error("control point {index:?} is not finite")]
+    /// A control point is NaN, infinite, or so far that the solid has no finite volume.
+    #[error("control point {index:?} is not finite, or too far away; give coordinates up to 1e100")]
     NotFinite {
         /// Its place in the lattice.
         index: [usize; 3],
@@ -71,6 +71,9 @@ pub enum SplineError {
     },
 }
 
+/// Largest coordinate of a control point: volumes are finite yet.
+const LARGEST: f64 = 1e100;
+
 impl TrivariateSpline {
     /// Returns the spline with these control points, the first index of which varies fastest.
     ///
@@ -88,7 +91,7 @@ impl TrivariateSpline {
                 expected: size.pow(3),
             });
         }
-        let bad = |p: &Point3<f64>| !p.iter().all(|x| x.is_finite());
+        let bad = |p: &Point3<f64>| !p.iter().all(|x| x.abs() <= LARGEST);
         if let Some(at) = points.iter().position(bad) {
             let index = [at % size, at / size % size, at / (size * size)];
             return Err(SplineError::NotFinite { index });

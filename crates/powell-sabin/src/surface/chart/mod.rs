@@ -88,6 +88,10 @@ impl Chart {
         zero: &Zero,
         reach: Reach,
     ) -> Result<Self, NoSmoothCap> {
+        // A disk has fewer rings than faces, whatever a file says.
+        if reach.covered.max(reach.rings) as usize > mesh.face_count() {
+            return Err(NoSmoothCap::NoDisk);
+        }
         let part = disk(mesh, &in_hole, zero, reach.rings);
         let core = disk(mesh, &in_hole, zero, reach.covered);
         let local = part.mesh(mesh).map_err(|_| NoSmoothCap::NoDisk)?;

@@ -121,6 +121,6 @@ pub enum BoundaryError {
         range: &'static str,
     },
     /// The observer asked to stop before there was a map.
-    #[error("stopped before there was a map of the surface")]
+    #[error("stopped before there was a map of the surface; allow more time")]
     Stopped,
 }

@@ -50,7 +50,7 @@ pub enum MesherError {
     },
     /// The lattice would not fit into memory.
     #[error(
-        "a lattice of spacing {spacing} has {points:.1e} points, more than {most:.1e}; choose a larger spacing"
+        "a lattice of spacing {spacing:e} has {points:.1e} points, more than {most:.1e}; choose a larger spacing"
     )]
     TooFine {
         /// Distance of lattice points.
@@ -61,7 +61,7 @@ pub enum MesherError {
         most: f64,
     },
     /// An option that means nothing.
-    #[error("`{name}` is {value}; give a number {range}")]
+    #[error("`{name}` is {value:?}; give a number {range}")]
     Number {
         /// The option.
         name: &'static str,
@@ -72,7 +72,7 @@ pub enum MesherError {
     },
     /// No lattice was fine enough.
     #[error(
-        "{attempts} lattices were tried, down to a spacing of {spacing}; in the last one {shortfall}"
+        "{attempts} lattices were tried, down to a spacing of {spacing:?}; in the last one {shortfall}"
     )]
     NoLattice {
         /// Number of lattices tried.
@@ -83,7 +83,7 @@ pub enum MesherError {
         shortfall: Shortfall,
     },
     /// The observer asked to stop before there was a mesh.
-    #[error("stopped before there was a mesh")]
+    #[error("stopped before there was a mesh; allow more time")]
     Stopped,
 }
 

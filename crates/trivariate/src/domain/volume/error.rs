@@ -59,7 +59,7 @@ pub enum VolumeError {
         range: &'static str,
     },
     /// The observer asked to stop before there was a map.
-    #[error("stopped before there was a map of the solid")]
+    #[error("stopped before there was a map of the solid; allow more time")]
     Stopped,
 }
 
