@@ -198,12 +198,12 @@ pub(super) fn judge(
 
 /// Returns the last line of what a crashed process said.
 fn last_words(err: &str) -> String {
-    let lines = err
+    let mut telling = err
         .lines()
         .filter(|line| line.contains("panicked") || line.contains("memory"));
-    lines
-        .last()
-        .or(err.lines().last())
+    telling
+        .next_back()
+        .or(err.lines().next_back())
         .unwrap_or_default()
         .to_owned()
 }

@@ -309,7 +309,7 @@ fn record(
 const LARGEST: f64 = 1e150;
 
 fn check_finite(values: &[f64], dimension: usize) -> Result<(), RunError> {
-    match values.iter().position(|x| !(x.abs() <= LARGEST)) {
+    match values.iter().position(|x| x.is_nan() || x.abs() > LARGEST) {
         Some(index) => Err(RunError::NotFinite {
             vertex: index / dimension,
         }),
