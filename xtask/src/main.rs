@@ -7,6 +7,7 @@
 )]
 
 mod papers;
+mod peers;
 mod repro;
 mod test;
 mod tidy;
@@ -34,6 +35,8 @@ enum Command {
     Tidy,
     /// Collect the citations of the code into the tables of docs/papers.
     Papers(papers::Args),
+    /// Compare times and results with other libraries on the same work.
+    Peers(peers::Args),
 }
 
 fn main() -> ExitCode {
@@ -42,6 +45,7 @@ fn main() -> ExitCode {
         Command::Test(args) => test::run(&args),
         Command::Tidy => tidy::run(),
         Command::Papers(args) => papers::run(&args),
+        Command::Peers(args) => peers::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
