@@ -28,7 +28,7 @@ const END: &str = "<!-- peers:end -->";
 /// Arguments of `cargo xtask peers`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Only the tasks whose name contains one of these words: factor, surface, pursuit, subdivision,
+    /// Only the tasks whose name contains one of these words: factor, surface, middle, large, pursuit, subdivision,
     /// multilevel, least-squares.
     tasks: Vec<String>,
     /// Folder of the models; $MSPLINES_MODELS, else generated surfaces of their sizes.
@@ -86,12 +86,14 @@ fn measure(args: &Args, file: &Path) -> Result<(), String> {
         if let Some(folder) = folder {
             let path = fs::canonicalize(folder)
                 .map_err(|error| format!("{option} {}: {error}", folder.display()))?;
-            given.extend([option.into(), path.into()]);
+            given.extend([OsString::from(option), path.into_os_string()]);
         }
     }
-    given.extend(["--rounds".into(), args.rounds.max(1).to_string().into()]);
+    let rounds = args.rounds.max(1).to_string();
+    given.extend(["--rounds", &rounds].map(OsString::from));
     for (package, reason) in environment.missing {
-        given.extend(["--missing".into(), format!("{package}={reason}").into()]);
+        let told = format!("{package}={reason}");
+        given.extend(["--missing", &told].map(OsString::from));
     }
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(cargo)

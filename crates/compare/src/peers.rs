@@ -18,7 +18,7 @@ pub const FILE: &str = "peers.json";
 /// From which multiple of the fastest peer's time on a step is said to be slow.
 const SLOW: f64 = 2.0;
 /// The columns of the tables.
-const HEAD: [&str; 9] = [
+pub(crate) const HEAD: [&str; 9] = [
     "input",
     "step",
     "peer",
@@ -127,13 +127,15 @@ impl Peers {
     /// the row of that peer.
     #[must_use]
     pub fn slow(&self) -> Vec<&PeerRow> {
-        let same = |a: &PeerRow, b: &PeerRow| {
-            (&a.task, &a.input, &a.step) == (&b.task, &b.input, &b.step)
-        };
+        let same =
+            |a: &PeerRow, b: &PeerRow| (&a.task, &a.input, &a.step) == (&b.task, &b.input, &b.step);
         let is_slowest = |row: &&PeerRow| {
             let ratio = row.ratio().unwrap_or(0.0);
             let rivals = self.rows.iter().filter(|other| same(row, other));
-            ratio > SLOW && rivals.filter_map(PeerRow::ratio).all(|other| other <= ratio)
+            ratio > SLOW
+                && rivals
+                    .filter_map(PeerRow::ratio)
+                    .all(|other| other <= ratio)
         };
         self.rows.iter().filter(is_slowest).collect()
     }
@@ -153,7 +155,7 @@ pub fn markdown(peers: &Peers) -> String {
         }
         let _ = writeln!(out, "| {} |", cells(row).join(" | "));
     }
-    out.push_str(&remarks(peers));
+    out.push_str(&closing(peers));
     out
 }
 
@@ -170,40 +172,57 @@ pub fn terminal(peers: &Peers) -> String {
         drawn.set_content_arrangement(ContentArrangement::Dynamic);
         drawn.set_header(HEAD);
         let own = peers.rows.iter().filter(|other| other.task == row.task);
-        drawn.add_rows(own.map(|row| cells(row).map(|cell| cell.replace("**", ""))));
+        drawn.add_rows(own.map(cells));
         let _ = writeln!(out, "\n{} (quality: {})\n{drawn}", row.task, row.measure);
     }
-    out.push_str(&remarks(peers));
+    out.push_str(&closing(peers));
     out
 }
 
-fn preamble(peers: &Peers) -> String {
+/// Returns how, where and under which load it was measured.
+pub(crate) fn conditions(peers: &Peers) -> String {
     let Machine { cpu, cores, .. } = &peers.machine;
     let [before, after] = &peers.load;
-    let mut out = format!(
-        "Medians of processor seconds, both sides by turns, {} thread each, on {cpu} ({cores} cores); load before and \
-         after (1, 5, 15 minutes): {before}; {after}. A ratio below 1 means that this project takes less time.\n",
+    format!(
+        "Medians of processor seconds, both sides by turns, {} thread each, on {cpu} ({cores} \
+         cores); load before and after (1, 5, 15 minutes): {before}; {after}. A ratio below 1 \
+         means that this project takes less time.",
         peers.threads,
-    );
-    let slow = peers.slow();
+    )
+}
+
+/// Returns what takes more than twice the time of its fastest peer, in words.
+pub(crate) fn slow_steps(peers: &Peers) -> Vec<String> {
+    let say = |row: &PeerRow| {
+        let ratio = row.ratio().unwrap_or(f64::NAN);
+        let PeerRow {
+            task,
+            input,
+            step,
+            peer,
+            ..
+        } = row;
+        format!("{task}, {input}, {step}: {ratio:.1} times {peer}")
+    };
+    peers.slow().into_iter().map(say).collect()
+}
+
+fn preamble(peers: &Peers) -> String {
+    let mut out = format!("{}\n", conditions(peers));
+    let slow = slow_steps(peers);
     if slow.is_empty() {
         out.push_str("\nNo step takes more than twice the time of its fastest peer.\n");
     } else {
         out.push_str("\n**More than twice the time of the fastest peer:**\n\n");
     }
-    for row in slow {
-        let ratio = row.ratio().unwrap_or(f64::NAN);
-        let _ = writeln!(
-            out,
-            "- **{}, {}, {}: {ratio:.1} times {}**",
-            row.task, row.input, row.step, row.peer
-        );
+    for step in slow {
+        let _ = writeln!(out, "- **{step}**");
     }
     out
 }
 
-/// The cells of a row.
-fn cells(row: &PeerRow) -> [String; 9] {
+/// Returns the cells of a row, one for each column of [`HEAD`].
+pub(crate) fn cells(row: &PeerRow) -> [String; 9] {
     let seconds = |side: &Option<Side>| {
         side.as_ref()
             .map_or(String::new(), |side| time(side.median()))
@@ -214,12 +233,16 @@ fn cells(row: &PeerRow) -> [String; 9] {
     };
     let named = match (&row.version, &row.absent) {
         (_, Some(reason)) => format!("{}: {reason}", row.peer),
-        (Some(version), None) => format!("{}, {version}", row.peer),
+        (Some(version), None) => format!("{} ({version})", row.peer),
         (None, None) => row.peer.clone(),
     };
     let ratio = row.ratio().map_or(String::new(), |ratio| {
         let shown = format!("{ratio:.2}");
-        if ratio > SLOW { format!("**{shown}**") } else { shown }
+        if ratio > SLOW {
+            format!("{shown} (!)")
+        } else {
+            shown
+        }
     });
     [
         row.input.clone(),
@@ -244,19 +267,25 @@ fn time(seconds: f64) -> String {
     }
 }
 
-/// What readers must know, each once, in the order of the rows.
-fn remarks(peers: &Peers) -> String {
+/// Returns what readers must know, each once, in the order of the rows.
+pub(crate) fn remarks(peers: &Peers) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     for row in peers.rows.iter().filter(|row| !row.remark.is_empty()) {
-        let remark = format!("- {}, {}: {}", row.task, row.peer, row.remark);
+        let remark = format!("{}, {}: {}", row.task, row.peer, row.remark);
         if !all.contains(&remark) {
             all.push(remark);
         }
     }
-    if all.is_empty() {
+    all
+}
+
+/// The remarks as a list, if there are any.
+fn closing(peers: &Peers) -> String {
+    let remarks = remarks(peers);
+    if remarks.is_empty() {
         return String::new();
     }
-    format!("\nRemarks:\n\n{}\n", all.join("\n"))
+    format!("\nRemarks:\n\n- {}\n", remarks.join("\n- "))
 }
 
 #[cfg(test)]

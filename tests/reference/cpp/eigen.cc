@@ -1,8 +1,10 @@
 // Simplicial LDLᵀ factorisation by Eigen, in the order of AMD as Eigen has it by default.
 #include <Eigen/Sparse>
 
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "msplines-reference/src/bindings.rs.h"
 #include "reference.h"

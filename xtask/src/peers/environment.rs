@@ -94,7 +94,9 @@ mod tests {
 
     #[test]
     fn comments_are_no_packages() {
-        let found: Vec<_> = packages("# why\na==1\n\nspams-bin==2\n").map(name).collect();
+        let found: Vec<_> = packages("# why\na==1\n\nspams-bin==2\n")
+            .map(name)
+            .collect();
         assert_eq!(found, ["a", "spams-bin"]);
     }
 }

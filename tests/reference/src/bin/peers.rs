@@ -8,6 +8,7 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::{env, fs};
 
+use msplines_compare::peers::Side;
 use msplines_reference::peers::{Settings, run};
 
 type Failure = Box<dyn Error>;
@@ -15,8 +16,8 @@ type Failure = Box<dyn Error>;
 fn main() -> Result<(), Failure> {
     let (settings, out) = arguments(env::args().skip(1))?;
     let peers = run(&settings, &mut |row| {
-        let seconds = |side: &Option<_>| {
-            let side: Option<&msplines_compare::peers::Side> = side.as_ref();
+        let seconds = |side: &Option<Side>| {
+            let side = side.as_ref();
             side.map_or("none".to_owned(), |side| format!("{:.4}", side.median()))
         };
         println!(
@@ -27,7 +28,9 @@ fn main() -> Result<(), Failure> {
             seconds(&row.ours),
             seconds(&row.theirs),
             row.peer,
-            row.absent.as_ref().map_or(String::new(), |why| format!(" ({why})")),
+            row.absent
+                .as_ref()
+                .map_or(String::new(), |why| format!(" ({why})")),
         );
     })?;
     fs::write(out, serde_json::to_string_pretty(&peers)?)?;
@@ -35,7 +38,11 @@ fn main() -> Result<(), Failure> {
 }
 
 fn arguments(mut given: impl Iterator<Item = String>) -> Result<(Settings, PathBuf), Failure> {
-    let mut positional = || given.next().ok_or("usage: peers PYTHON OUT [TASK...] [OPTION...]");
+    let mut positional = || {
+        given
+            .next()
+            .ok_or("usage: peers PYTHON OUT [TASK...] [OPTION...]")
+    };
     let (python, out) = (positional()?.into(), positional()?.into());
     let mut settings = Settings {
         python,
@@ -54,7 +61,9 @@ fn arguments(mut given: impl Iterator<Item = String>) -> Result<(Settings, PathB
             "--missing" => {
                 let told = value()?;
                 let (package, reason) = told.split_once('=').ok_or("--missing PACKAGE=REASON")?;
-                settings.missing.insert(package.to_owned(), reason.to_owned());
+                settings
+                    .missing
+                    .insert(package.to_owned(), reason.to_owned());
             }
             _ => settings.wanted.push(argument),
         }

@@ -25,7 +25,7 @@ const ONE_THREAD: [&str; 4] = [
     "RAYON_NUM_THREADS",
 ];
 /// After so long a peer is given up.
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_secs(600);
 /// Name of the file with what a peer found.
 const RESULT: &str = "result.npy";
 

@@ -3,6 +3,7 @@
 use msplines_compare::peers::{PeerRow, Side};
 
 use super::{Failure, Settings};
+use crate::Library;
 
 /// From so many seconds on for both sides together, three repetitions are enough.
 const LONG: f64 = 4.0;
@@ -103,4 +104,11 @@ impl Contest<'_> {
             quality: (self.quality)(&last.result),
         })
     }
+}
+
+/// Returns the version of a library without its name, as a rival has it.
+pub(super) fn version_of(library: Library) -> Result<String, String> {
+    let version = library.version();
+    let number = version.rsplit(' ').next().unwrap_or_default();
+    Ok(number.to_owned())
 }

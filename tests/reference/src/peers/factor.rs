@@ -3,12 +3,11 @@
 use msplines_common::linalg::{Cholesky, Mat, Ordering, Symbolic, SymmetricMatrix};
 use msplines_common::operators::mesh_operators;
 use msplines_compare::peers::PeerRow;
-use rand::seq::index::sample;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::contest::{Rival, Timed};
-use super::{Contest, Failure, LARGE, MIDDLE, Settings, Stand};
+use super::contest::{Rival, Timed, version_of};
+use super::{Contest, Failure, Model, Settings, Stand};
 use crate::cholmod::{Cholmod, EliminationOrder, Ldlt, Lower};
 use crate::{Library, cpu_seconds};
 
@@ -17,21 +16,19 @@ const SIDES: usize = 3;
 /// One vertex in so many is a knot.
 const KNOT_STEP: usize = 100;
 
-pub(super) fn run(settings: &Settings) -> Result<Vec<PeerRow>, Failure> {
-    let mut rows = Vec::new();
-    for model in [MIDDLE, LARGE] {
-        let stand = settings.stand(model)?;
-        rows.extend(compare(settings, &stand)?);
-    }
-    Ok(rows)
+pub(super) fn run(settings: &Settings, model: Model) -> Result<Vec<PeerRow>, Failure> {
+    compare(settings, &settings.stand(model)?)
 }
 
 /// Returns which vertices are knots: 1 % of them, at random.
 pub(super) fn knots(vertices: usize) -> Vec<bool> {
     let mut random = Pcg64Mcg::seed_from_u64(1);
     let mut is_knot = vec![false; vertices];
-    for vertex in sample(&mut random, vertices, vertices / KNOT_STEP) {
-        is_knot[vertex] = true;
+    let mut left = vertices / KNOT_STEP;
+    while left > 0 {
+        let knot = &mut is_knot[random.random_range(0..vertices)];
+        left -= usize::from(!*knot);
+        *knot = true;
     }
     is_knot
 }
@@ -61,7 +58,7 @@ fn compare(settings: &Settings, stand: &Stand) -> Result<Vec<PeerRow>, Failure> 
     ] {
         let rival = Rival {
             name,
-            version: Ok(Library::Cholmod.version()),
+            version: version_of(Library::Cholmod),
             remark: "supernodal, with the BLAS that is installed",
         };
         rows.extend(contest.run(
@@ -73,7 +70,7 @@ fn compare(settings: &Settings, stand: &Stand) -> Result<Vec<PeerRow>, Failure> 
     }
     let rival = Rival {
         name: "Eigen SimplicialLDLT, AMD",
-        version: Ok(Library::Eigen.version()),
+        version: version_of(Library::Eigen),
         remark: "compiled with -O3 for any x86-64, as the rest of this package",
     };
     rows.extend(contest.run(
@@ -199,5 +196,11 @@ pub(super) fn largest_difference(x: &[f64], y: &[f64]) -> f64 {
         return f64::INFINITY;
     }
     let differences = x.iter().zip(y).map(|(x, y)| (x - y).abs());
-    differences.fold(0.0, |largest, d| if d > largest || d.is_nan() { d } else { largest })
+    differences.fold(0.0, |largest, d| {
+        if d > largest || d.is_nan() {
+            d
+        } else {
+            largest
+        }
+    })
 }

@@ -43,14 +43,13 @@ pub struct Settings {
 }
 
 /// A task's name and what runs it.
-type Task = (
-    &'static str,
-    fn(&Settings) -> Result<Vec<PeerRow>, Failure>,
-);
+type Task = (&'static str, fn(&Settings) -> Result<Vec<PeerRow>, Failure>);
 
-const TASKS: [Task; 6] = [
-    ("factor", factor::run),
-    ("surface", surface::run),
+const TASKS: [Task; 8] = [
+    ("factor-middle", |settings| factor::run(settings, MIDDLE)),
+    ("factor-large", |settings| factor::run(settings, LARGE)),
+    ("surface-middle", |settings| surface::run(settings, MIDDLE)),
+    ("surface-large", |settings| surface::run(settings, LARGE)),
     ("pursuit", pursuit::run),
     ("subdivision", subdivision::run),
     ("multilevel", volume::run_multilevel),
@@ -77,6 +76,10 @@ pub fn run(settings: &Settings, observer: &mut dyn FnMut(&PeerRow)) -> Result<Pe
         found.iter().for_each(&mut *observer);
         rows.extend(found);
     }
+    let mut order: Vec<String> = rows.iter().map(|row: &PeerRow| row.task.clone()).collect();
+    order.dedup();
+    // Both meshes of a task stand together.
+    rows.sort_by_key(|row: &PeerRow| order.iter().position(|task| *task == row.task));
     Ok(Peers {
         schema: SCHEMA.to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -99,13 +102,15 @@ struct Stand {
     mesh: TriangleMesh,
 }
 
-/// The model and the vertices of a surface of its size.
-const MIDDLE: (&str, usize) = ("nefertiti_50k.ply", 49_971);
-const LARGE: (&str, usize) = ("igea_134k.ply", 134_345);
+/// The file of a model, and the vertices of a surface of its size.
+type Model = (&'static str, usize);
+
+const MIDDLE: Model = ("nefertiti_50k.ply", 49_971);
+const LARGE: Model = ("igea_134k.ply", 134_345);
 
 impl Settings {
     /// Returns the model, or a generated surface without a folder of models or without this one.
-    fn stand(&self, (name, vertices): (&str, usize)) -> Result<Stand, Failure> {
+    fn stand(&self, (name, vertices): Model) -> Result<Stand, Failure> {
         let path = self.models.as_ref().map(|folder| folder.join(name));
         let (name, mesh) = match path.filter(|path| path.exists()) {
             Some(path) => {

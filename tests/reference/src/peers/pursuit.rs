@@ -31,7 +31,12 @@ const SPARSITY: usize = 25;
 
 const ORMP: [Peer; 1] = [("spams-bin", "spams_omp", "SPAMS omp", "")];
 const OMP: [Peer; 2] = [
-    ("scikit-learn", "orthogonal_mp", "scikit-learn orthogonal_mp", ""),
+    (
+        "scikit-learn",
+        "orthogonal_mp",
+        "scikit-learn orthogonal_mp",
+        "",
+    ),
     (
         "scikit-learn",
         "orthogonal_mp_gram",
@@ -54,7 +59,11 @@ pub(super) fn run(settings: &Settings) -> Result<Vec<PeerRow>, Failure> {
     }
     let mut rows = Vec::new();
     for (task, selection, peers) in [
-        ("Order-recursive matching pursuit", Selection::Ormp, &ORMP[..]),
+        (
+            "Order-recursive matching pursuit",
+            Selection::Ormp,
+            &ORMP[..],
+        ),
         ("Orthogonal matching pursuit", Selection::Omp, &OMP),
     ] {
         let contest = Contest {
@@ -66,8 +75,7 @@ pub(super) fn run(settings: &Settings) -> Result<Vec<PeerRow>, Failure> {
             quality: &|found| Some(residual(&problems, found)),
             difference: &|a, b| Some(unequal(a, b)),
         };
-        let question =
-            |ask: &str| json!({"ask": "pursue", "name": ask, "count": PROBLEMS, "sparsity": SPARSITY});
+        let question = |ask: &str| json!({"ask": "pursue", "name": ask, "count": PROBLEMS, "sparsity": SPARSITY});
         let mut ours = || Ok(solve(&problems, selection));
         let found = contest_all(settings, &contest, peers, &inputs, &question, &mut ours)?;
         rows.extend(found);
@@ -77,7 +85,6 @@ pub(super) fn run(settings: &Settings) -> Result<Vec<PeerRow>, Failure> {
 
 /// One dictionary and its signals.
 struct Case {
-    is_chart: bool,
     /// Unit columns.
     dictionary: Mat<f64>,
     signals: Mat<f64>,
@@ -110,7 +117,6 @@ fn problems() -> Vec<Case> {
                     .for_each(|x| *x += random.random_range(-0.05..0.05));
             }
             Case {
-                is_chart,
                 dictionary,
                 signals,
             }

@@ -1,14 +1,13 @@
 //! One step of subdivision, from arrays to arrays.
 
-use msplines_common::mesh::TriangleMesh;
 use msplines_common::mesh::polygon::{PolygonMesh, Rules, Sharpness, catmull_clark};
-use msplines_common::mesh::subdivision::subdivide_loop;
+use msplines_common::mesh::{TriangleMesh, subdivide_loop};
 use msplines_compare::peers::PeerRow;
 use nalgebra::Point3;
 use serde_json::json;
 
 use super::adapter::Inputs;
-use super::contest::{Rival, Timed};
+use super::contest::{Rival, Timed, version_of};
 use super::factor::Lap;
 use super::surface::{Peer, contest_all, flat};
 use super::{Contest, Failure, MIDDLE, Settings, Stand};
@@ -21,12 +20,7 @@ const LOOP: [Peer; 2] = [
         "libigl loop",
         "weights of Warren, those of this project are Loop's own",
     ),
-    (
-        "pymeshlab",
-        "loop",
-        "PyMeshLab Loop",
-        "in single precision",
-    ),
+    ("pymeshlab", "loop", "PyMeshLab Loop", "in single precision"),
 ];
 const CATMULL_CLARK: [Peer; 1] = [(
     "pymeshlab",
@@ -72,7 +66,7 @@ fn by_loop(settings: &Settings, stand: &Stand) -> Result<Vec<PeerRow>, Failure> 
     };
     let rival = Rival {
         name: "OpenMesh LoopT",
-        version: Ok(Library::OpenMesh.version()),
+        version: version_of(Library::OpenMesh),
         remark: "",
     };
     let mut rows = contest.run(settings, &rival, &mut ours, &mut || {
@@ -122,14 +116,16 @@ fn by_catmull_clark(settings: &Settings, stand: &Stand) -> Result<Vec<PeerRow>, 
     let control = polygon::control(&control, &smooth, Rules::default(), 1);
     let rival = Rival {
         name: "OpenSubdiv",
-        version: Ok(Library::OpenSubdiv.version()),
+        version: version_of(Library::OpenSubdiv),
         remark: "the positions alone, in double precision",
     };
     let mut rows = contest.run(settings, &rival, &mut ours, &mut || opensubdiv(&control))?;
     let question = |ask: &str| json!({"ask": ask});
     let inputs = inputs(mesh)?;
     let peers = &CATMULL_CLARK;
-    rows.extend(contest_all(settings, &contest, peers, &inputs, &question, &mut ours)?);
+    rows.extend(contest_all(
+        settings, &contest, peers, &inputs, &question, &mut ours,
+    )?);
     Ok(rows)
 }
 

@@ -10,7 +10,7 @@ use serde_json::json;
 use super::adapter::{Adapter, Inputs};
 use super::contest::{Rival, Timed};
 use super::factor::{Lap, knots, largest_difference};
-use super::{Contest, Failure, LARGE, MIDDLE, Settings, Stand};
+use super::{Contest, Failure, Model, Settings, Stand};
 
 /// A package, what of it is asked, the name shown and what must be known of it.
 pub(super) type Peer = (&'static str, &'static str, &'static str, &'static str);
@@ -65,16 +65,22 @@ const INTRINSIC: [Peer; 1] = [(
     "works on the tufted cover, twice the faces, which also takes surfaces that are no manifolds",
 )];
 
-pub(super) fn run(settings: &Settings) -> Result<Vec<PeerRow>, Failure> {
-    let stands = [settings.stand(MIDDLE)?, settings.stand(LARGE)?];
+pub(super) fn run(settings: &Settings, model: Model) -> Result<Vec<PeerRow>, Failure> {
+    let stand = settings.stand(model)?;
     let mut rows = Vec::new();
     for (order, task, peers) in [
-        (2, "Biharmonic interpolation of 1 % of the vertices", &BIHARMONIC[..]),
-        (1, "Harmonic interpolation of 1 % of the vertices", &HARMONIC),
+        (
+            2,
+            "Biharmonic interpolation of 1 % of the vertices",
+            &BIHARMONIC[..],
+        ),
+        (
+            1,
+            "Harmonic interpolation of 1 % of the vertices",
+            &HARMONIC,
+        ),
     ] {
-        for stand in &stands {
-            rows.extend(interpolation(settings, stand, order, task, peers)?);
-        }
+        rows.extend(interpolation(settings, &stand, order, task, peers)?);
     }
     for (task, build, peers) in [
         (
@@ -82,11 +88,13 @@ pub(super) fn run(settings: &Settings) -> Result<Vec<PeerRow>, Failure> {
             cotangent as Build,
             &LAPLACIAN[..],
         ),
-        ("Intrinsic Delaunay Laplacian and areas", intrinsic, &INTRINSIC),
+        (
+            "Intrinsic Delaunay Laplacian and areas",
+            intrinsic,
+            &INTRINSIC,
+        ),
     ] {
-        for stand in &stands {
-            rows.extend(laplacian(settings, stand, task, build, peers)?);
-        }
+        rows.extend(laplacian(settings, &stand, task, build, peers)?);
     }
     Ok(rows)
 }
@@ -124,7 +132,10 @@ fn interpolation(
     let contest = Contest {
         task,
         input: &stand.name,
-        steps: &["first result from the mesh", "other values at the same knots"],
+        steps: &[
+            "first result from the mesh",
+            "other values at the same knots",
+        ],
         measure: "root mean square distance from the mesh that the knots are taken from, and \
                   difference, against the diagonal",
         quality: &|x| Some(rms(x)),
@@ -172,6 +183,7 @@ fn interpolate(mesh: &TriangleMesh, is_knot: &[bool], order: u32) -> Result<Time
     let values = Mat::from_fn(knots.len(), 3, |k, axis| {
         mesh.positions()[knots[k] as usize][axis]
     });
+    let others = Mat::from_fn(knots.len(), 3, |k, axis| 2.0 * values[(k, axis)]);
     let mut lap = Lap::start();
     let operators = mesh_operators(mesh);
     let matrix = if order == 1 {
@@ -184,7 +196,7 @@ fn interpolate(mesh: &TriangleMesh, is_knot: &[bool], order: u32) -> Result<Time
     let factor = Cholesky::factor(symbolic, &matrix)?;
     let first = extend(&matrix, &factor, &knots, &values);
     lap.end();
-    let _other = extend(&matrix, &factor, &knots, &(2.0 * &values));
+    let _other = extend(&matrix, &factor, &knots, &others);
     lap.end();
     let vertices = 0..mesh.vertex_count();
     let result = vertices.flat_map(|row| [0, 1, 2].map(|axis| first[(row, axis)]));

@@ -91,7 +91,10 @@ impl Ball {
     }
 
     fn rms(&self, found: &[f64]) -> f64 {
-        let squares = found.iter().zip(&self.values).map(|(x, y)| (x - y) * (x - y));
+        let squares = found
+            .iter()
+            .zip(&self.values)
+            .map(|(x, y)| (x - y) * (x - y));
         (squares.sum::<f64>() / TESTS as f64).sqrt()
     }
 
@@ -141,7 +144,14 @@ pub(super) fn run_least_squares(settings: &Settings) -> Result<Vec<PeerRow>, Fai
         };
         let question = |ask: &str| json!({"ask": ask, "spans": spans});
         let peers = &LEAST_SQUARES;
-        let found = contest_all(settings, &contest, peers, &ball.inputs, &question, &mut ours)?;
+        let found = contest_all(
+            settings,
+            &contest,
+            peers,
+            &ball.inputs,
+            &question,
+            &mut ours,
+        )?;
         rows.extend(found);
     }
     Ok(rows)
@@ -161,7 +171,10 @@ pub(super) fn run_multilevel(settings: &Settings) -> Result<Vec<PeerRow>, Failur
         };
         let rival = Rival {
             name: "mba",
-            version: program.as_ref().map(|(_, version)| version.clone()).map_err(Clone::clone),
+            version: program
+                .as_ref()
+                .map(|(_, version)| version.clone())
+                .map_err(Clone::clone),
             remark: "compiled with -O3 -march=native, this project for any x86-64",
         };
         let mut ours = || {
