@@ -1,8 +1,25 @@
 //! CHOLMOD, and Eigen's simplicial factorisation, behind the interface that the timing needs.
 
+use std::fs;
+
 use msplines_common::linalg::SymmetricMatrix;
 
 use crate::bindings;
+
+/// Returns the name of the BLAS that is loaded into this process, which CHOLMOD's times depend on.
+#[must_use]
+pub fn blas() -> String {
+    let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
+    let found = maps.lines().filter_map(|line| line.rsplit('/').next());
+    let mut names: Vec<_> = found.filter(|name| name.contains("blas")).collect();
+    names.sort_unstable();
+    names.dedup();
+    if names.is_empty() {
+        "BLAS unknown".to_owned()
+    } else {
+        names.join(", ")
+    }
+}
 
 /// In which order CHOLMOD eliminates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

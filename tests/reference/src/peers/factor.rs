@@ -8,7 +8,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::contest::{Rival, Timed, version_of};
 use super::{Contest, Failure, Model, Settings, Stand};
-use crate::cholmod::{Cholmod, EliminationOrder, Ldlt, Lower};
+use crate::cholmod::{Cholmod, EliminationOrder, Ldlt, Lower, blas};
 use crate::{Library, cpu_seconds};
 
 /// Right-hand sides of a solution.
@@ -58,8 +58,8 @@ fn compare(settings: &Settings, stand: &Stand) -> Result<Vec<PeerRow>, Failure> 
     ] {
         let rival = Rival {
             name,
-            version: version_of(Library::Cholmod),
-            remark: "supernodal, with the BLAS that is installed",
+            version: version_of(Library::Cholmod).map(|number| format!("{number}, {}", blas())),
+            remark: "supernodal; as fast as the BLAS that is named",
         };
         rows.extend(contest.run(
             settings,

@@ -18,15 +18,15 @@ const LOOP: [Peer; 2] = [
         "libigl",
         "loop",
         "libigl loop",
-        "weights of Warren, those of this project are Loop's own",
+        "other weights than those of Loop 1987, as the difference shows",
     ),
-    ("pymeshlab", "loop", "PyMeshLab Loop", "in single precision"),
+    ("pymeshlab", "loop", "PyMeshLab Loop", ""),
 ];
 const CATMULL_CLARK: [Peer; 1] = [(
     "pymeshlab",
     "catmull_clark",
     "PyMeshLab Catmull-Clark",
-    "in single precision, with quads as pairs of triangles",
+    "its quads are pairs of triangles, and its vertices lie elsewhere",
 )];
 /// How far from a vertex its counterpart is looked for, against the diagonal.
 const REACH: f64 = 1e-3;
