@@ -11,6 +11,7 @@ fn main() {
         "cpp/flattening.cc",
         "cpp/solids.cc",
         "cpp/cholmod.cc",
+        "cpp/eigen.cc",
     ];
     cxx_build::bridge("src/bindings.rs")
         .files(sources)

@@ -9,6 +9,7 @@
 mod battery;
 mod fuzz;
 mod papers;
+mod peers;
 mod references;
 mod repro;
 mod test;
@@ -41,6 +42,8 @@ enum Command {
     Tidy,
     /// Collect the citations of the code into the tables of docs/papers.
     Papers(papers::Args),
+    /// Compare times and results with other libraries on the same work.
+    Peers(peers::Args),
     /// Write what comparisons with other people's code found into docs/references.md.
     References(references::Args),
 }
@@ -53,6 +56,7 @@ fn main() -> ExitCode {
         Command::Fuzz(args) => fuzz::run(&args),
         Command::Tidy => tidy::run(),
         Command::Papers(args) => papers::run(&args),
+        Command::Peers(args) => peers::run(&args),
         Command::References(args) => references::run(&args),
     };
     match outcome {

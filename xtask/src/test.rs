@@ -4,7 +4,7 @@ mod browser;
 mod debian;
 mod draw;
 mod python;
-mod reference;
+pub(crate) mod reference;
 mod steps;
 
 use std::env;

@@ -14,9 +14,8 @@ fn main() -> ExitCode {
 #[cfg(test)]
 mod tests {
     use clap::{Command, CommandFactory};
+    use msplines_cli::Arguments;
     use msplines_compare::battery::is_tried;
-
-    use crate::arguments::Arguments;
 
     /// Collects the options of a command that no case of the battery tries.
     fn untried(command: &Command, path: &str, found: &mut Vec<String>) {

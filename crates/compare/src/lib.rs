@@ -22,6 +22,7 @@ pub mod machine;
 pub mod measure;
 pub mod models;
 pub mod output;
+pub mod peers;
 pub mod record;
 pub mod report;
 pub mod row_process;

@@ -1,4 +1,4 @@
-// Supernodal Cholesky factorisation by CHOLMOD with METIS ordering.
+// Supernodal Cholesky factorisation by CHOLMOD in the order of METIS or AMD.
 #include <suitesparse/cholmod.h>
 
 #include <time.h>
@@ -30,12 +30,12 @@ struct Cholmod::State {
 };
 
 Cholmod::Cholmod(rust::Slice<const std::size_t> starts, rust::Slice<const std::uint32_t> rows,
-                 rust::Slice<const double> values)
+                 rust::Slice<const double> values, bool metis)
     : state_(std::make_unique<State>()) {
   State& s = *state_;
   cholmod_start(&s.common);
   s.common.nmethods = 1;
-  s.common.method[0].ordering = CHOLMOD_METIS;
+  s.common.method[0].ordering = metis ? CHOLMOD_METIS : CHOLMOD_AMD;
   s.common.postorder = 1;
   s.common.supernodal = CHOLMOD_SUPERNODAL;
   s.common.print = 0;
@@ -93,8 +93,8 @@ std::size_t Cholmod::stored_values() const { return state_->factor->xsize; }
 
 std::unique_ptr<Cholmod> cholmod_lower(rust::Slice<const std::size_t> starts,
                                        rust::Slice<const std::uint32_t> rows,
-                                       rust::Slice<const double> values) {
-  return std::make_unique<Cholmod>(starts, rows, values);
+                                       rust::Slice<const double> values, bool metis) {
+  return std::make_unique<Cholmod>(starts, rows, values, metis);
 }
 
 double cpu_seconds() {

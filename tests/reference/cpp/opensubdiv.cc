@@ -28,7 +28,7 @@ struct Point {
 };
 using Points = std::vector<Point>;
 
-std::unique_ptr<Far::TopologyRefiner> build(const Control& control) {
+std::unique_ptr<Far::TopologyRefiner> build(const Control& control, bool last_topology) {
   Sdc::Options options;
   options.SetVtxBoundaryInterpolation(control.sharp_corners
                                           ? Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
@@ -51,7 +51,7 @@ std::unique_ptr<Far::TopologyRefiner> build(const Control& control) {
       Factory::Create(descriptor, Factory::Options(Sdc::SCHEME_CATMARK, options)));
   if (!refiner) throw std::runtime_error("OpenSubdiv refuses the mesh");
   Far::TopologyRefiner::UniformOptions uniform(static_cast<int>(control.levels));
-  uniform.fullTopologyInLastLevel = true;
+  uniform.fullTopologyInLastLevel = last_topology;
   refiner->RefineUniform(uniform);
   return refiner;
 }
@@ -102,7 +102,7 @@ void write_leads(const Far::TopologyLevel& level, PolygonLimits& limits) {
 }  // namespace
 
 PolygonRefinement opensubdiv_refine(const Control& control) {
-  const auto refiner = build(control);
+  const auto refiner = build(control, true);
   const Far::PrimvarRefinerReal<double> primvar(*refiner);
   PolygonRefinement refinement;
   Points points(control.positions.size() / 3);
@@ -127,6 +127,21 @@ PolygonRefinement opensubdiv_refine(const Control& control) {
   refinement.limits.second_tangents = flat(second);
   write_leads(refiner->GetLevel(static_cast<int>(control.levels)), refinement.limits);
   return refinement;
+}
+
+rust::Vec<double> opensubdiv_positions(const Control& control) {
+  const auto refiner = build(control, false);
+  const Far::PrimvarRefinerReal<double> primvar(*refiner);
+  Points points(control.positions.size() / 3);
+  for (std::size_t i = 0; i < control.positions.size(); ++i) {
+    points[i / 3].x[i % 3] = control.positions[i];
+  }
+  for (int l = 1; l <= static_cast<int>(control.levels); ++l) {
+    Points finer(refiner->GetLevel(l).GetNumVertices());
+    primvar.Interpolate(l, points, finer);
+    points = std::move(finer);
+  }
+  return flat(points);
 }
 
 rust::String opensubdiv_version() {

@@ -1,4 +1,4 @@
-// Functions of OpenMesh, OpenSubdiv, CGAL and CHOLMOD as src/bindings.rs sees them.
+// Functions of OpenMesh, OpenSubdiv, CGAL, CHOLMOD and Eigen as src/bindings.rs sees them.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +31,7 @@ Surface openmesh_butterfly(Positions positions, Faces faces);
 rust::Vec<PolygonLevel> openmesh_catmull_clark(const Control& control);
 
 PolygonRefinement opensubdiv_refine(const Control& control);
+rust::Vec<double> opensubdiv_positions(const Control& control);
 
 Measures cgal_measures(Positions positions, Faces faces);
 rust::Vec<double> cgal_face_cotangents(Positions positions, Faces faces);
@@ -60,7 +61,7 @@ Sampled cgal_sampled(Positions from_positions, Faces from_faces, Positions to_po
 class Cholmod {
  public:
   Cholmod(rust::Slice<const std::size_t> starts, rust::Slice<const std::uint32_t> rows,
-          rust::Slice<const double> values);
+          rust::Slice<const double> values, bool metis);
   ~Cholmod();
   Cholmod(const Cholmod&) = delete;
   Cholmod& operator=(const Cholmod&) = delete;
@@ -77,7 +78,28 @@ class Cholmod {
 
 std::unique_ptr<Cholmod> cholmod_lower(rust::Slice<const std::size_t> starts,
                                        rust::Slice<const std::uint32_t> rows,
-                                       rust::Slice<const double> values);
+                                       rust::Slice<const double> values, bool metis);
+
+class Ldlt {
+ public:
+  Ldlt(rust::Slice<const std::size_t> starts, rust::Slice<const std::uint32_t> rows,
+       rust::Slice<const double> values);
+  ~Ldlt();
+
+  void analyze();
+  void factor();
+  void solve(rust::Slice<const double> right_hand_sides, rust::Slice<double> solutions) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+std::unique_ptr<Ldlt> eigen_lower(rust::Slice<const std::size_t> starts,
+                                  rust::Slice<const std::uint32_t> rows,
+                                  rust::Slice<const double> values);
+rust::String eigen_version();
+
 double cpu_seconds();
 rust::String cholmod_version();
 rust::String cgal_version();

@@ -1,82 +1,50 @@
-"""Times SPAMS and scikit-learn on the problems in a folder and writes what they find there.
+"""Pursuits of SPAMS and scikit-learn on dictionaries of unit columns, for peers.py."""
 
-`pursuit_peers.py FOLDER` answers lines of standard input: `versions`, or the name of a peer, whose
-processor seconds for all problems it prints. The folder holds `dictionaries.npy` of shape
-(problems, rows, atoms) with unit columns, and `signals.npy` of shape (problems, rows, signals). The
-dense coefficients of a peer go to `NAME.npy`, of shape (problems, signals, atoms).
-"""
-
-import sys
-import time
 import warnings
-from importlib import metadata
-from pathlib import Path
 
 import numpy as np
 
-SPARSITY = 25
 
-
-def spams_omp(dictionary, signals):
+def spams_omp(dictionary, signals, sparsity):
     """Order-recursive pursuit in double precision; takes unit columns for granted."""
     import spams
 
-    return spams.omp(signals, dictionary, L=SPARSITY, eps=0.0, numThreads=1)
+    return spams.omp(signals, dictionary, L=sparsity, eps=0.0, numThreads=1)
 
 
-def orthogonal_mp(dictionary, signals):
+def orthogonal_mp(dictionary, signals, sparsity):
     from sklearn.linear_model import orthogonal_mp as solve
 
-    return solve(dictionary, signals, n_nonzero_coefs=SPARSITY, precompute=False)
+    return solve(dictionary, signals, n_nonzero_coefs=sparsity, precompute=False)
 
 
-def orthogonal_mp_gram(gram, products):
+def orthogonal_mp_gram(dictionary, signals, sparsity):
+    """The products count, as for the others."""
     from sklearn.linear_model import orthogonal_mp_gram as solve
 
-    return solve(gram, products, n_nonzero_coefs=SPARSITY)
+    products = dictionary.T @ dictionary, dictionary.T @ signals
+    return solve(*products, n_nonzero_coefs=sparsity)
 
 
-PEERS = {
-    "spams.omp": (spams_omp, ["spams-bin", "spams"]),
-    "orthogonal_mp": (orthogonal_mp, ["scikit-learn"]),
-    "orthogonal_mp_gram": (orthogonal_mp_gram, ["scikit-learn"]),
-}
+def problems(folder, count):
+    """Dictionaries and signals, their columns one after another, as all peers want them."""
+    dictionaries = np.load(folder / "dictionaries.npy")
+    signals = np.load(folder / "signals.npy")
+    rows = len(signals) // count
+    return [
+        tuple(np.asfortranarray(a[at : at + rows]) for a in (dictionaries, signals))
+        for at in range(0, rows * count, rows)
+    ]
 
 
-def version(packages):
-    for package in packages:
-        try:
-            return f"{package} {metadata.version(package)}"
-        except metadata.PackageNotFoundError:
-            pass
-    return "absent"
-
-
-def main():
-    folder = Path(sys.argv[1])
-    # Columns one after another, as all peers want them.
-    dictionaries = [np.asfortranarray(a) for a in np.load(folder / "dictionaries.npy")]
-    signals = [np.asfortranarray(a) for a in np.load(folder / "signals.npy")]
+def solve_all(name, folder, count, sparsity, timed):
+    """Dense coefficients, problem after problem, signal after signal."""
     warnings.simplefilter("ignore")
-    for line in sys.stdin:
-        name = line.strip()
-        if name == "versions":
-            for peer, (_, packages) in PEERS.items():
-                print(peer, version(packages), sep="\t", flush=True)
-            print(flush=True)
-            continue
-        solve = PEERS[name][0]
-        problems = list(zip(dictionaries, signals))
-        if solve is orthogonal_mp_gram:
-            problems = [(d.T @ d, d.T @ x) for d, x in problems]
-        # Imports and the first call of a library are not what is timed.
-        solve(*problems[0])
-        start = time.process_time()
-        found = [solve(*problem) for problem in problems]
-        print(time.process_time() - start, flush=True)
-        dense = [x if isinstance(x, np.ndarray) else x.toarray() for x in found]
-        np.save(folder / f"{name}.npy", np.ascontiguousarray(np.stack(dense).swapaxes(1, 2)))
-
-
-if __name__ == "__main__":
-    main()
+    solve = {f.__name__: f for f in (spams_omp, orthogonal_mp, orthogonal_mp_gram)}[name]
+    all_problems = problems(folder, count)
+    # Imports and the first call of a library are not what is timed.
+    solve(*all_problems[0], sparsity)
+    with timed():
+        found = [solve(*problem, sparsity) for problem in all_problems]
+    dense = [x if isinstance(x, np.ndarray) else x.toarray() for x in found]
+    return np.concatenate([x.T for x in dense])

@@ -176,6 +176,7 @@ mod ffi {
         fn openmesh_version() -> String;
 
         fn opensubdiv_refine(control: &Control) -> Result<PolygonRefinement>;
+        fn opensubdiv_positions(control: &Control) -> Result<Vec<f64>>;
         fn opensubdiv_version() -> String;
 
         fn cgal_measures(positions: &[f64], faces: &[u32]) -> Measures;
@@ -220,7 +221,12 @@ mod ffi {
         ) -> Result<Sampled>;
 
         type Cholmod;
-        fn cholmod_lower(starts: &[usize], rows: &[u32], values: &[f64]) -> UniquePtr<Cholmod>;
+        fn cholmod_lower(
+            starts: &[usize],
+            rows: &[u32],
+            values: &[f64],
+            metis: bool,
+        ) -> UniquePtr<Cholmod>;
         fn analyze(self: Pin<&mut Cholmod>) -> Result<()>;
         fn factor(self: Pin<&mut Cholmod>) -> Result<()>;
         fn solve(
@@ -231,6 +237,13 @@ mod ffi {
         fn stored_values(self: &Cholmod) -> usize;
         fn cholmod_version() -> String;
         fn cpu_seconds() -> f64;
+
+        type Ldlt;
+        fn eigen_lower(starts: &[usize], rows: &[u32], values: &[f64]) -> UniquePtr<Ldlt>;
+        fn analyze(self: Pin<&mut Ldlt>);
+        fn factor(self: Pin<&mut Ldlt>) -> Result<()>;
+        fn solve(self: &Ldlt, right_hand_sides: &[f64], solutions: &mut [f64]);
+        fn eigen_version() -> String;
     }
 }
 

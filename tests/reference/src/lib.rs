@@ -10,6 +10,7 @@ mod bindings;
 pub mod cholmod;
 pub mod draw;
 pub mod meshes;
+pub mod peers;
 pub mod polygon;
 pub mod python;
 pub mod record;
@@ -193,6 +194,8 @@ pub enum Library {
     Cgal,
     /// Sparse factorisation.
     Cholmod,
+    /// Sparse factorisation without blocks.
+    Eigen,
     /// Bézier cells and the quality of hexahedra.
     Vtk,
     /// Files of meshes.
@@ -215,6 +218,7 @@ impl Library {
             Self::OpenSubdiv => format!("OpenSubdiv {}", bindings::opensubdiv_version()),
             Self::Cgal => format!("CGAL {}", bindings::cgal_version()),
             Self::Cholmod => format!("CHOLMOD {}", bindings::cholmod_version()),
+            Self::Eigen => format!("Eigen {}", bindings::eigen_version()),
             Self::Vtk => format!("VTK {}", python::version("vtk")),
             Self::Meshio => format!("meshio {}", python::version("meshio")),
             Self::Scipy => format!("SciPy {}", python::version("scipy")),

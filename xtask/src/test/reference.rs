@@ -24,7 +24,7 @@ const LIBRARIES: [(&str, &str); 6] = [
 ];
 
 /// The package of bindings and their tests.
-pub(super) const PACKAGE: &str = "msplines-reference";
+pub(crate) const PACKAGE: &str = "msplines-reference";
 /// Where each test leaves what it found.
 const PARTS: &str = "target/reference";
 /// nextest's name for the tests of this package.
@@ -61,10 +61,19 @@ pub(super) fn is_ready() -> bool {
     missing_packages().is_empty()
 }
 
+/// Makes sure that the bindings can be built; says what to install if they cannot.
+pub(crate) fn ready() -> Result<(), String> {
+    if is_ready() {
+        Ok(())
+    } else {
+        Err(format!("apt-get install {}", missing_packages().join(" ")))
+    }
+}
+
 /// Runs the tests of `tests/reference`, which is among these packages if it can be built.
 pub(super) fn run(packages: Vec<&str>) -> Step {
-    if !is_ready() {
-        return Step::not_run(format!("apt-get install {}", missing_packages().join(" ")));
+    if let Err(remedy) = ready() {
+        return Step::not_run(remedy);
     }
     let (mut asking, mut left_out, mut remedies) = (Vec::new(), Vec::new(), Vec::new());
     for (tests, prepare) in ASKING {

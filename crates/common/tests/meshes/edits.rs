@@ -92,7 +92,9 @@ proptest! {
                 continue;
             }
             let mut turned = complex.clone();
-            (0..4).for_each(|_| drop(turned.flip(h)));
+            for _ in 0..4 {
+                turned.flip(h);
+            }
             prop_assert_eq!(&turned, &complex);
             is_mesh &= complex.stays_simplicial(h);
             complex.flip(h);

@@ -217,7 +217,7 @@ pub fn write(
     for (name, png) in drawings.sheets(report) {
         put(format!("{PICTURES}/{name}"), Ok(png))?;
     }
-    let page = html::page(report, &drawings, options);
+    let page = html::page(report, &drawings, options, folder);
     let page = page.map(String::into_bytes).map_err(std::io::Error::other);
     put("index.html".to_owned(), page)?;
     let json = serde_json::to_vec_pretty(report).map_err(std::io::Error::from);

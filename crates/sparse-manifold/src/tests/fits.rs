@@ -132,7 +132,7 @@ fn planes_are_exact() {
         let flat = mesh
             .positions()
             .iter()
-            .map(|p| msplines_common::Point3::new(1.0, 2.0, 3.0 + 0.0 * p.x));
+            .map(|p| Point3::new(1.0, 2.0, 3.0 + 0.0 * p.x));
         let mesh = mesh.with_positions(flat.collect());
         let fit = fitted(&mesh, &smooth(&mesh), &Options::default());
         let error = fit.report.e_fit.last().expect("an error");
@@ -345,6 +345,12 @@ fn refusals_name_the_option_and_the_place() {
     assert!(refusal(&|o| o.smooth_charts = vec![24]).contains("chart 24"));
     assert!(refusal(&|o| o.least_progress = f64::NAN).contains("least_progress"));
     assert!(refusal(&|o| o.order = SweepOrder::Jacobi { damping: 2.0 }).contains("damping"));
+}
+
+#[test]
+fn meshes_and_observations_that_do_not_fit_are_refused() {
+    let mesh = box_24();
+    let sharpness = smooth(&mesh);
     let mut broken = mesh.positions().to_vec();
     broken[7].x = f64::NAN;
     let broken = mesh.with_positions(broken);

@@ -5,14 +5,14 @@
 //! take turns; the table holds medians. CHOLMOD orders with METIS; its kernels are as fast as the
 //! BLAS that is installed, so the table names it.
 
+use std::env;
 use std::path::Path;
 use std::process::{Command, ExitCode};
-use std::{env, fs};
 
 use msplines_common::linalg::{Cholesky, Mat, Ordering, Symbolic, SymmetricMatrix};
 use msplines_common::mesh::{Policy, TriangleMesh, accept, shapes};
 use msplines_common::operators::mesh_operators;
-use msplines_reference::cholmod::Cholmod;
+use msplines_reference::cholmod::{Cholmod, blas};
 use msplines_reference::{Library, cpu_seconds};
 
 type Failure = Box<dyn std::error::Error>;
@@ -169,17 +169,4 @@ fn median(rounds: &[[f64; STEPS.len()]], step: usize) -> f64 {
     let mut times: Vec<f64> = rounds.iter().map(|times| times[step]).collect();
     times.sort_by(f64::total_cmp);
     times[times.len() / 2]
-}
-
-/// Returns the BLAS that is loaded into this process.
-fn blas() -> String {
-    let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
-    let found = maps.lines().filter_map(|line| line.rsplit('/').next());
-    let mut names: Vec<_> = found.filter(|name| name.contains("blas")).collect();
-    names.dedup();
-    if names.is_empty() {
-        "BLAS unknown".to_owned()
-    } else {
-        names.join(", ")
-    }
 }
