@@ -54,7 +54,10 @@ impl Centred {
                 dimension,
             });
         }
-        if let Some(at) = values.iter().position(|value| value.is_nan() || value.abs() > LARGEST) {
+        if let Some(at) = values
+            .iter()
+            .position(|value| value.is_nan() || value.abs() > LARGEST)
+        {
             return Err(FitError::DataNotFinite {
                 vertex: at / dimension,
                 component: at % dimension,

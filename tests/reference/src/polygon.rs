@@ -76,7 +76,12 @@ pub fn opensubdiv(
     (positions, limits)
 }
 
-pub(crate) fn control(mesh: &PolygonMesh, sharpness: &Sharpness, rules: Rules, levels: u32) -> Control {
+pub(crate) fn control(
+    mesh: &PolygonMesh,
+    sharpness: &Sharpness,
+    rules: Rules,
+    levels: u32,
+) -> Control {
     let topology = mesh.topology();
     let sharp = |s: f64| {
         if s.is_infinite() { INFINITE } else { s as f32 }

@@ -11,6 +11,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 type Failure = Box<dyn std::error::Error>;
+/// Moves points of the plane.
+type Map = fn([f64; 2]) -> [f64; 2];
 
 /// Each flip finds a length from five others; those of slivers lose digits.
 const FLIPS: f64 = 1e-12;
@@ -37,7 +39,7 @@ fn point_sets() -> Vec<(String, Vec<[f64; 2]>)> {
     const AROUND: usize = 60;
     let mut sets = Vec::new();
     let bend = |[x, y]: [f64; 2]| [x + 0.3 * y * y, y];
-    let shapes: [(&str, fn([f64; 2]) -> [f64; 2]); 6] = [
+    let shapes: [(&str, Map); 6] = [
         ("even points", |p| p),
         ("dense middle", |[x, y]| [x, y].map(|c| c * (x * x + y * y))),
         ("ellipse", |[x, y]| [x, 0.2 * y]),
