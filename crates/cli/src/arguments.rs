@@ -318,7 +318,7 @@ pub(crate) struct Combine {
     )]
     pub(crate) factor: f64,
     /// Another spline file and its factor; more than one by repeating.
-    #[arg(long = "with", value_name = "SPLINE.json[:F]", required = true)]
+    #[arg(long = "with", value_name = "SPLINE.json[:F]", required = true, value_parser = clap::builder::NonEmptyStringValueParser::new())]
     pub(crate) others: Vec<String>,
 }
 

@@ -15,16 +15,17 @@ const MARGIN: f64 = 3.0;
 /// Digits of the longest number that a message may spell out: one of 64 bits, or a double to its last place.
 const MOST_DIGITS: usize = 24;
 /// Fields of records that have no number in some sound runs.
-const OPTIONAL: [&str; 4] = [
+const OPTIONAL: [&str; 5] = [
     "log_variance",
     "co_closedness",
+    "conjugation_defect",
     "c1_jump_cap_max",
     "c2_jump_cap_max",
 ];
 /// Lists of a spline file in which some things have no number: vertices that lie on no cylinder.
 const PARTIAL_LIST: &str = "vertices";
 /// Words by which a message names a place, before a number.
-const PLACES: [&str; 14] = [
+const PLACES: [&str; 15] = [
     "vertex",
     "vertices",
     "face",
@@ -38,15 +39,18 @@ const PLACES: [&str; 14] = [
     "tetrahedron",
     "byte",
     "corner",
+    "movement",
     "at (",
 ];
 /// Words by which a message tells of all of an input.
-const WHOLES: [&str; 5] = [
+const WHOLES: [&str; 7] = [
     "genus",
     "the surface",
     "stopped before",
     "has no ",
     "control points are fewer",
+    "edges sharper",
+    "membrane",
 ];
 /// Words by which a message says what to do.
 const REMEDIES: [&str; 36] = [
@@ -258,6 +262,8 @@ fn is_named(message: &str, given: &str) -> bool {
         None => given.contains('.') && names(given),
         Some(option) => {
             let (name, value) = option.split_once('=').unwrap_or((option, ""));
+            // A file may stand before a factor.
+            let value = value.split(':').next().unwrap_or_default();
             names(value) || names(name.trim_end_matches('s').replace('-', " ").as_str())
         }
     }

@@ -29,7 +29,7 @@ use crate::input::{FitData, LoadedInput, fit_data, load};
 use crate::measure::{self, Measured};
 use crate::output::{check_outputs, coordinate_names, coordinates, write_outputs};
 use crate::record::{Checks, Record};
-use crate::spline_file::{SplineFile, StoredDomain, StoredMesh};
+use crate::spline_file::{LARGEST, SplineFile, StoredDomain, StoredMesh};
 
 pub(crate) use conformal::CHECKERS;
 pub use edits::Shift;
@@ -304,9 +304,6 @@ fn record(
     steps::finish(&mut record, clock);
     record
 }
-
-/// Largest number whose square is measured.
-const LARGEST: f64 = 1e150;
 
 fn check_finite(values: &[f64], dimension: usize) -> Result<(), RunError> {
     match values.iter().position(|x| x.is_nan() || x.abs() > LARGEST) {

@@ -5,6 +5,7 @@ use msplines_common::mesh::polygon::PolygonMesh;
 use msplines_sparse_manifold::{DictionaryKind, SparseManifold};
 use serde::{Deserialize, Serialize};
 
+use super::LARGEST;
 use crate::error::SplineFileError;
 
 /// A polygon mesh in a spline file.
@@ -32,7 +33,7 @@ impl StoredPolygons {
     /// # Errors
     /// Positions that are not finite, or faces that are not an oriented manifold.
     pub fn restore(&self) -> Result<PolygonMesh, SplineFileError> {
-        let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
+        let finite = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= LARGEST);
         if let Some(index) = self.positions.iter().position(|p| !finite(p)) {
             return Err(SplineFileError::NotFinite {
                 what: "position",

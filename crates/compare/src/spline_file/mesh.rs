@@ -4,6 +4,7 @@ use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
 use serde::{Deserialize, Serialize};
 
+use super::LARGEST;
 use crate::error::SplineFileError;
 
 /// A triangle mesh in a spline file.
@@ -31,7 +32,7 @@ impl StoredMesh {
     /// # Errors
     /// Positions that are not finite, or faces that are not an oriented manifold or twice the same.
     pub fn restore(&self) -> Result<TriangleMesh, SplineFileError> {
-        let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
+        let finite = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= LARGEST);
         if let Some(vertex) = self.positions.iter().position(|p| !finite(p)) {
             return Err(SplineFileError::NotFinite {
                 what: "position",

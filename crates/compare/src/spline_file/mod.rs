@@ -31,6 +31,9 @@ pub const SPLINE_SCHEMA: &str = "msplines.spline/2";
 /// The one before, in which only T-splines were other: it is read too.
 const FIRST_SCHEMA: &str = "msplines.spline/1";
 
+/// Largest number in a file: errors are squared, and a million squares add up to a finite sum.
+pub(crate) const LARGEST: f64 = 1e150;
+
 /// A spline file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SplineFile {

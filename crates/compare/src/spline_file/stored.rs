@@ -11,7 +11,9 @@ use msplines_powell_sabin::surface::SurfaceParts;
 use msplines_t_spline::TSplineSurface;
 use serde::{Deserialize, Serialize};
 
-use super::{StoredBiharmonic, StoredLocal, StoredManifold, StoredTSpline, StoredTrivariate};
+use super::{
+    LARGEST, StoredBiharmonic, StoredLocal, StoredManifold, StoredTSpline, StoredTrivariate,
+};
 use crate::error::{RunError, SplineFileError};
 
 /// The numbers of a spline, from which it is evaluated again.
@@ -273,7 +275,7 @@ pub(super) fn check_lengths(
     if let Some(&vertex) = knots.iter().find(|&&v| v as usize >= vertices) {
         return Err(SplineFileError::NoSuchVertex { vertex, vertices });
     }
-    match values.iter().position(|x| !x.is_finite()) {
+    match values.iter().position(|x| !(x.abs() <= LARGEST)) {
         Some(index) => Err(SplineFileError::NotFinite {
             what: "coefficient",
             index,

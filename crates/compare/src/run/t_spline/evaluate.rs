@@ -1,17 +1,17 @@
 //! T-splines in files, evaluated again.
 
+use msplines_common::Point3;
 use msplines_common::progress::Observer;
-
 use serde_json::json;
 
 use super::edits;
 use super::write::{AtVertices, Written, check, write};
 use super::{SPLINE, errors, marks, output, record_of};
 use crate::clock::PhaseClock;
-use crate::error::RunError;
+use crate::error::{RunError, SplineFileError};
 use crate::input::load_domain;
 use crate::run::{Evaluation, RunOutput, enter};
-use crate::spline_file::{SplineFile, StoredSpline};
+use crate::spline_file::{LARGEST, SplineFile, StoredSpline};
 
 /// Evaluates a stored surface and writes it.
 pub(in crate::run) fn evaluate(
@@ -34,6 +34,11 @@ pub(in crate::run) fn evaluate(
     let mut file = edits::at_level(file, changes.level, &input.mesh)?;
     let mut surface = file.spline.t_spline(&input.mesh)?;
     let mut at_vertices = AtVertices::of(&surface, &input.mesh);
+    let far = |p: &Point3<f64>| !p.iter().all(|x| x.abs() <= LARGEST);
+    if let Some(index) = at_vertices.mesh.positions().iter().position(far) {
+        let what = "point";
+        return Err(SplineFileError::NotFinite { what, index }.into());
+    }
     let mut checks = Vec::new();
     if !changes.moves_nothing() {
         let edited = edits::edited(file, &surface, changes)?;
