@@ -6,6 +6,7 @@
     reason = "a command's output is what it is for"
 )]
 
+mod kills;
 mod papers;
 mod repro;
 mod test;
@@ -30,6 +31,8 @@ enum Command {
     Repro(repro::Args),
     /// Run every check and every test; end non-zero if one fails.
     Test(test::Args),
+    /// Kill the programs at random moments, and check that no file is damaged and that work goes on.
+    Kills(kills::Args),
     /// Check the invariants of ARCHITECTURE.md.
     Tidy,
     /// Collect the citations of the code into the tables of docs/papers.
@@ -40,6 +43,7 @@ fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Repro(args) => repro::run(&args),
         Command::Test(args) => test::run(&args),
+        Command::Kills(args) => kills::run(&args),
         Command::Tidy => tidy::run(),
         Command::Papers(args) => papers::run(&args),
     };
