@@ -37,7 +37,7 @@ const FITS: [Fit; 8] = [
     Fit {
         name: "powell-sabin",
         arguments: "fit powell-sabin in.obj",
-        outputs: &["json", "vtu", "ply", "step"],
+        outputs: &["json", "vtu", "ply", "obj"],
         input: || triangles(&shapes::torus(1.0, 0.4, 200)),
     },
     Fit {
