@@ -113,7 +113,7 @@ pub(super) fn killed(
         std::thread::sleep(if is_waiting { POLL } else { POLL.min(left) });
     }
     if victim == Victim::Group {
-        let script = format!("kill -KILL -- -{group}");
+        let script = format!("kill -KILL -{group}");
         let sent = Command::new("/bin/sh").args(["-c", &script]).status();
         sent.map_err(|e| format!("nobody could be killed: {e}"))?;
     }
@@ -205,7 +205,7 @@ mod tests {
         let script = "sleep 20 & wait";
         let (_, group) = killed(&mut shell(script), &[], moment, Victim::Program).unwrap();
         assert_eq!(living(group), 1);
-        shell(&format!("kill -KILL -- -{group}")).status().unwrap();
+        shell(&format!("kill -KILL -{group}")).status().unwrap();
         assert!(!goes_on(group));
         let (_, group) = killed(&mut shell(script), &[], moment, Victim::Group).unwrap();
         assert!(!goes_on(group));

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
+use msplines_common::Point3;
 use msplines_common::mesh::TriangleMesh;
 use msplines_common::mesh::shapes::{self, Opening};
-use msplines_common::Point3;
 
 /// A mesh or a network before it is a file.
 #[derive(Clone, Debug)]
