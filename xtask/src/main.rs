@@ -8,6 +8,7 @@
 
 mod battery;
 mod fuzz;
+mod kills;
 mod papers;
 mod peers;
 mod references;
@@ -38,6 +39,8 @@ enum Command {
     Test(test::Args),
     /// Run the fuzz targets for a bounded time each.
     Fuzz(fuzz::Args),
+    /// Kill the programs at random moments, and check that no file is damaged and that work goes on.
+    Kills(kills::Args),
     /// Check the invariants of ARCHITECTURE.md.
     Tidy,
     /// Collect the citations of the code into the tables of docs/papers.
@@ -54,6 +57,7 @@ fn main() -> ExitCode {
         Command::Battery(args) => battery::run(&args),
         Command::Test(args) => test::run(&args),
         Command::Fuzz(args) => fuzz::run(&args),
+        Command::Kills(args) => kills::run(&args),
         Command::Tidy => tidy::run(),
         Command::Papers(args) => papers::run(&args),
         Command::Peers(args) => peers::run(&args),

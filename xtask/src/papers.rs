@@ -10,10 +10,10 @@ mod contents;
 mod table;
 
 use std::collections::BTreeSet;
-use std::fs;
 
 use citation::Citation;
 use contents::Paper;
+use msplines_compare::report::replace;
 
 use crate::tree::{self, File};
 
@@ -40,7 +40,8 @@ pub(crate) fn run(args: &Args) -> Result<(), String> {
     let files = tree::read(&tree::root())?;
     for page in current_pages(&files)? {
         let path = tree::root().join(&page.path);
-        fs::write(&path, page.text).map_err(|e| format!("cannot write {}: {e}", page.path))?;
+        replace(&path, page.text.as_bytes())
+            .map_err(|e| format!("cannot write {}: {e}", page.path))?;
         println!("wrote {}", page.path);
     }
     Ok(())

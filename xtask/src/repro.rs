@@ -44,6 +44,9 @@ pub(crate) struct Args {
     /// Rows at the same time; with more than one, times are not comparable.
     #[arg(long, value_name = "N", default_value_t = 1)]
     jobs: usize,
+    /// Threads of each row; all cores, shared among the jobs, where absent. Results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: Option<u32>,
     /// Seconds after which any row is given up, where that is sooner than its own limit.
     #[arg(long, value_name = "SECONDS")]
     time_limit: Option<f64>,
@@ -102,6 +105,7 @@ fn campaign(args: &Args, root: &Path) -> Result<Campaign, String> {
             _ => Reuse::Finished,
         },
         jobs: args.jobs,
+        threads: args.threads.map(|threads| threads as usize),
         program: RowProgram {
             fingerprint: program.clone(),
             program,

@@ -20,6 +20,8 @@ use crate::run::run;
 
 /// How often a running row is looked at.
 const POLL: Duration = Duration::from_millis(20);
+/// Exit code of a row whose parent is gone; nobody reads it.
+const ABANDONED: i32 = 1;
 /// How much of what a crashed row said is kept.
 const LAST_WORDS: usize = 400;
 
@@ -102,7 +104,10 @@ pub fn run_row(
     time_limit: Duration,
     show: &mut dyn FnMut(&RowProgress),
 ) -> Result<Record, String> {
-    let folder = tempfile::tempdir().map_err(|e| format!("no temporary folder: {e}"))?;
+    let folder = tempfile::Builder::new()
+        .prefix("msplines-row-")
+        .tempdir()
+        .map_err(|e| format!("no temporary folder: {e}"))?;
     let (asked, answered) = (
         folder.path().join("request.json"),
         folder.path().join("answer.json"),
@@ -112,7 +117,8 @@ pub fn run_row(
     let mut child = Command::new(&program.program)
         .args(&program.arguments)
         .args([&asked, &answered])
-        .stdin(Stdio::null())
+        // Never written to: that it ends tells the row that nobody waits for it.
+        .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
@@ -178,9 +184,17 @@ fn watch(child: &mut Child, time_limit: Duration, show: &mut dyn FnMut(&RowProgr
 
 /// The child's side: runs the request in the file `asked` and writes the file `answered`.
 ///
+/// Standard input is a pipe from the parent. Where that is killed the pipe ends, and so does this
+/// process: else it would go on writing where the next campaign runs the same row again.
+///
 /// # Errors
 /// A request that cannot be read or an answer that cannot be written.
 pub fn answer(asked: &Path, answered: &Path, process_start: Instant) -> std::io::Result<()> {
+    std::thread::spawn(|| {
+        // Whatever ends the pipe, the parent is gone.
+        let _ = std::io::copy(&mut std::io::stdin(), &mut std::io::sink());
+        std::process::exit(ABANDONED);
+    });
     let request: RowRequest = serde_json::from_slice(&std::fs::read(asked)?)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(request.threads)
@@ -287,6 +301,12 @@ mod tests {
         let (result, _) = row("exec sleep 30", 0.1);
         assert_eq!(result, Err("time limit of 0.1 s reached".to_owned()));
         assert!(started.elapsed() < Duration::from_secs(10));
+    }
+
+    #[test]
+    fn the_pipe_that_tells_of_the_parents_end_stays_open() {
+        let (result, _) = row("read line; echo 'nobody waits' >&2", 0.3);
+        assert_eq!(result, Err("time limit of 0.3 s reached".to_owned()));
     }
 
     #[test]

@@ -141,11 +141,10 @@ impl RowStore {
             files: digests(&self.files(key))?,
             row: row.clone(),
         };
-        let mut file = tempfile::NamedTempFile::new_in(&self.folder)?;
-        serde_json::to_writer_pretty(&mut file, &entry)?;
-        file.as_file().sync_all()?;
-        file.persist(path)?;
-        Ok(())
+        let bytes = serde_json::to_vec_pretty(&entry)?;
+        msplines_io::write_atomically(&path, |out| out.write_all(&bytes))
+            .map_err(std::io::Error::other)?;
+        std::fs::File::open(&path)?.sync_all()
     }
 
     fn path(&self, key: &str) -> PathBuf {

@@ -46,6 +46,8 @@ pub struct Campaign {
     pub reuse: Reuse,
     /// Rows at the same time; more than one makes times not comparable.
     pub jobs: usize,
+    /// Threads of each row; the machine's, shared among the jobs, where absent.
+    pub threads: Option<usize>,
     /// Seconds after which any row is given up, where that is sooner than its own limit.
     pub time_limit: Option<f64>,
     /// The program that runs a row.

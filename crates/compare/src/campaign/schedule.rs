@@ -257,8 +257,11 @@ impl Schedule<'_> {
         Ok(ended)
     }
 
-    /// Returns the threads of each row: the machine's, shared among the jobs.
+    /// Returns the threads of each row: those asked for, else the machine's, shared among the jobs.
     fn threads(&self) -> usize {
+        if let Some(threads) = self.campaign.threads {
+            return threads.max(1);
+        }
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         (cores / self.campaign.jobs.max(1)).max(1)
     }
@@ -277,6 +280,9 @@ impl Schedule<'_> {
         }
         if self.campaign.jobs > 1 {
             command.push_str(&format!(" --jobs {}", self.campaign.jobs));
+        }
+        if let Some(threads) = self.campaign.threads {
+            command.push_str(&format!(" --threads {threads}"));
         }
         command
     }

@@ -103,7 +103,7 @@ fn build(npm: &str, folder: &Path) -> Result<String, String> {
     fs::create_dir_all(folder).map_err(lost)?;
     // Removed again at the end, whatever the end is.
     let place = tempfile::Builder::new()
-        .prefix("viewer-")
+        .prefix(".msplines-viewer-")
         .tempdir_in(folder)
         .map_err(lost)?;
     let place = place.path();

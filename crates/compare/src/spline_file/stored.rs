@@ -275,7 +275,7 @@ pub(super) fn check_lengths(
     if let Some(&vertex) = knots.iter().find(|&&v| v as usize >= vertices) {
         return Err(SplineFileError::NoSuchVertex { vertex, vertices });
     }
-    match values.iter().position(|x| !(x.abs() <= LARGEST)) {
+    match values.iter().position(|x| x.is_nan() || x.abs() > LARGEST) {
         Some(index) => Err(SplineFileError::NotFinite {
             what: "coefficient",
             index,

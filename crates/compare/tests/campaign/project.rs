@@ -164,6 +164,7 @@ pub(crate) fn campaign(root: &Path) -> Campaign {
         out: root.join("report"),
         reuse: Reuse::Finished,
         jobs: 1,
+        threads: None,
         time_limit: None,
         program: interpreter,
     }

@@ -135,6 +135,28 @@ fn a_failed_write_keeps_the_old_file_and_leaves_nothing_else() {
     assert!(write_atomically(nowhere, |_| Ok(())).is_err());
 }
 
+#[test]
+fn what_a_killed_writer_left_is_removed_and_what_a_living_one_writes_is_not() {
+    let (directory, path) = scratch("a.ply");
+    let left = directory.path().join(".msplines-Killed.tmp");
+    std::fs::write(&left, "half").unwrap();
+    let others = [".msplines.tmp", "msplines-Killed.tmp", ".msplines-Killed"];
+    let others = others.map(|name| directory.path().join(name));
+    for other in &others {
+        std::fs::write(other, "of somebody else").unwrap();
+    }
+    write_atomically(&path, |outer| {
+        assert!(!left.exists());
+        outer.write_all(b"long")?;
+        let inner = directory.path().join("b.ply");
+        write_atomically(&inner, |to| to.write_all(b"short")).map_err(io::Error::other)
+    })
+    .unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), b"long");
+    assert!(others.iter().all(|other| other.exists()));
+    assert_eq!(directory.path().read_dir().unwrap().count(), 5);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_new_file_is_as_readable_as_any_other() {
