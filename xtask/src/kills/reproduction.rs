@@ -102,7 +102,7 @@ impl Bench<'_> {
         let old = if trial % 4 < 2 { &self.old } else { &none };
         self.put(old)?;
         make(&self.rows())?;
-        let victim = if trial % 3 == 0 {
+        let victim = if trial.is_multiple_of(3) {
             Victim::Group
         } else {
             Victim::Program

@@ -111,7 +111,6 @@ fn check(law: &Law, name: &str, (found, expected): (&[Point3<f64>], &[Point3<f64
     assert_eq!(found.len(), expected.len(), "{}, {name}", law.arguments);
     let pairs = found.iter().zip(expected);
     let apart = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-    println!("{}, {name}: {apart:.1e}", law.arguments);
     assert!(apart <= bound, "{}, {name}: {apart:e}", law.arguments);
 }
 
