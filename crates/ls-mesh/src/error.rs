@@ -68,7 +68,9 @@ pub enum FitError {
         dimension: usize,
     },
     /// A value is NaN, infinite, or too large to be squared beside the others.
-    #[error("component {component} at vertex {vertex} is {value}; give finite values")]
+    #[error(
+        "component {component} at vertex {vertex} is {value:?}; give finite values of at most 1e150"
+    )]
     NotFinite {
         /// The vertex.
         vertex: usize,
@@ -95,6 +97,9 @@ pub enum FitError {
     #[error("the system cannot be factored: {0}; ask for more controls or a larger weight")]
     Factor(#[from] FactorError),
 }
+
+/// Largest value: the sum of a million squares is finite yet.
+const LARGEST: f64 = 1e150;
 
 pub(crate) fn check_options(topology: &Topology, options: &Options) -> Result<(), FitError> {
     match &options.controls {
@@ -168,7 +173,11 @@ pub(crate) fn check_data(rows: usize, data: VertexData<'_>) -> Result<(), FitErr
             dimension,
         });
     }
-    match data.values.iter().position(|value| !value.is_finite()) {
+    match data
+        .values
+        .iter()
+        .position(|value| value.is_nan() || value.abs() > LARGEST)
+    {
         None => Ok(()),
         Some(at) => Err(FitError::NotFinite {
             vertex: at / dimension,

@@ -207,7 +207,7 @@ mod tests {
                 per_control_point: given,
             };
             let error = sampling.check().expect_err("no number of samples");
-            let start = format!("{given} samples are wanted per control point");
+            let start = format!("{given:?} samples are wanted per control point");
             let error = error.to_string();
             assert!(error.starts_with(&start), "{error}");
             assert!(error.ends_with("to 1000"), "{error}");

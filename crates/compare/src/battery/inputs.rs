@@ -199,9 +199,7 @@ pub(super) fn file_trials(bench: &Bench, folder: &Path) -> Result<Vec<Trial>, Ba
         let size = bytes.len() as u64;
         // What is tested is how a run ends: few knots do where there are many vertices.
         let share = if size > SMALL { "0.1%" } else { "10%" };
-        let fitting = SUBJECTS
-            .iter()
-            .filter(|subject| subject.files_up_to >= size);
+        let fitting = SUBJECTS.iter().filter(|subject| subject.files_up_to > size);
         for subject in fitting {
             trials.extend(
                 ["", " --repair"].map(|repair| file_trial(subject, &name, [share, repair], bounds)),

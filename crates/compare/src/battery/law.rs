@@ -448,9 +448,12 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let bounds = Bounds::around([[0.0; 3], [1.0, 0.0, 0.0], [f64::NAN; 3]].into_iter());
         let result = |ply: &str, json: &str| {
-            let header = "ply\nformat ascii 1.0\nelement vertex 1\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
-            std::fs::write(folder.path().join("o.ply"), format!("{header}{ply}\n"))
-                .expect("written");
+            let header = "ply\nformat ascii 1.0\nelement vertex 1\nproperty double x\nproperty double y\nproperty double z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+            std::fs::write(
+                folder.path().join("o.ply"),
+                format!("{header}{ply}\n3 0 0 0\n"),
+            )
+            .expect("written");
             std::fs::write(folder.path().join("o.json"), json).expect("written");
             result_fault(folder.path(), Some(bounds))
         };

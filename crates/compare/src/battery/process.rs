@@ -5,8 +5,10 @@ use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// A case that takes longer hangs: the slowest takes a few seconds.
+/// A case that computes for longer hangs: the slowest takes a few seconds.
 const LIMIT: Duration = Duration::from_secs(60);
+/// The same for a case that waits, or whose time the system does not tell: other work may run beside it.
+const PATIENCE: Duration = Duration::from_secs(600);
 /// Resident bytes beyond which a case is ended: the largest sound one takes 1 GB.
 const MEMORY: u64 = 4 << 30;
 /// How often a process is looked at.
@@ -67,7 +69,8 @@ fn watch(child: &mut Child) -> std::io::Result<End> {
         if let Some(status) = child.try_wait()? {
             return Ok(end_of(status));
         }
-        let fault = if started.elapsed() > LIMIT {
+        let hangs = computed(child.id()) > LIMIT || started.elapsed() > PATIENCE;
+        let fault = if hangs {
             format!("it ran for more than {} s", LIMIT.as_secs())
         } else if resident(child.id()) > MEMORY {
             format!("it took more than {} GiB of memory", MEMORY >> 30)
@@ -89,6 +92,18 @@ fn end_of(status: ExitStatus) -> End {
     }
 }
 
+/// Returns for how long a process has computed, zero where the system does not say.
+fn computed(process: u32) -> Duration {
+    /// Ticks of a second, where it matters.
+    const TICKS: u64 = 100;
+    let text = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
+    // The name of the program stands in brackets, and may hold spaces.
+    let after_name = text.rsplit_once(')').map_or("", |(_, rest)| rest);
+    let fields = after_name.split_whitespace().skip(11).take(2);
+    let ticks: u64 = fields.filter_map(|n| n.parse::<u64>().ok()).sum();
+    Duration::from_millis(1000 * ticks / TICKS)
+}
+
 /// Returns the resident bytes of a process, 0 where the system does not say.
 fn resident(process: u32) -> u64 {
     /// Bytes of a page, where it matters.
@@ -101,6 +116,29 @@ fn resident(process: u32) -> u64 {
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn the_time_of_a_process_is_what_it_computed() {
+        let mut busy = Command::new("/bin/sh")
+            .args(["-c", "while :; do :; done"])
+            .spawn()
+            .expect("started");
+        let mut idle = Command::new("/bin/sleep")
+            .arg("100")
+            .spawn()
+            .expect("started");
+        let started = Instant::now();
+        while computed(busy.id()).is_zero() && started.elapsed() < LIMIT {
+            std::thread::sleep(POLL);
+        }
+        let times = [busy.id(), idle.id()].map(computed);
+        for child in [&mut busy, &mut idle] {
+            child.kill().expect("running");
+            child.wait().expect("a child");
+        }
+        assert!(times[0] > times[1], "{times:?}");
+    }
 
     #[test]
     fn a_code_and_a_crash_are_told_apart() {

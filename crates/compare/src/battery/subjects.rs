@@ -63,7 +63,7 @@ pub(super) const SUBJECTS: [Subject; 14] = [
     },
     Subject {
         name: "decompose",
-        command: "decompose {} --layers=20,60 --effort=fast",
+        command: "decompose {} --layers=5%,15% --effort=fast",
         twice: Some(("--layers", "--layers=20,20")),
         ..NONE
     },

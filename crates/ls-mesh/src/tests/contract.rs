@@ -90,7 +90,7 @@ fn what_does_not_fit_the_mesh_is_refused_with_a_remedy() {
     broken[3 * 5 + 2] = f64::NAN;
     assert_eq!(
         refused(&select(9), &broken),
-        "component 2 at vertex 5 is NaN; give finite values"
+        "component 2 at vertex 5 is NaN; give finite values of at most 1e150"
     );
     assert_eq!(
         refused(&given(&[7], Constraints::Soft { weight: -1.0 }), &values),

@@ -388,5 +388,5 @@ fn poles_beyond_what_a_chart_holds_are_refused_and_twelve_edges_are_not() {
         &mut unobserved(),
     );
     let error = result.expect_err("refused").to_string();
-    assert!(error.contains("vertex 0 has 121 edges"), "{error}");
+    assert!(error.contains("vertex 0 has 121 sectors"), "{error}");
 }

@@ -54,7 +54,7 @@ pub enum FitError {
     },
     /// Samples per control point beyond what is of use.
     #[error(
-        "{given} samples are wanted per control point; give 0, for vertices and poles alone, to {most}"
+        "{given:?} samples are wanted per control point; give 0, for vertices and poles alone, to {most}"
     )]
     Sampling {
         /// Those wanted.

@@ -84,7 +84,10 @@ fn lattices_that_meet_nothing_or_too_much_are_refused() {
 fn options_that_mean_nothing_are_named() {
     let ball = shapes::sphere(200);
     for (options, name) in [
-        (options(0.0), "`along_diagonal` is 0; give a number above 0"),
+        (
+            options(0.0),
+            "`along_diagonal` is 0.0; give a number above 0",
+        ),
         (
             MesherOptions {
                 spacing: Spacing::Length(f64::NAN),
@@ -97,14 +100,14 @@ fn options_that_mean_nothing_are_named() {
                 farthest: -1.0,
                 ..options(20.0)
             },
-            "`farthest` is -1",
+            "`farthest` is -1.0",
         ),
         (
             MesherOptions {
                 attempts: 0,
                 ..options(20.0)
             },
-            "`attempts` is 0; give a number from 1 to 7",
+            "`attempts` is 0.0; give a number from 1 to 7",
         ),
     ] {
         let text = refusal(&ball, &options);
