@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::Instant;
 
-use msplines_compare::battery::{self, Battery, page};
+use msplines_compare::battery::{self, Battery, Extent, page};
 use msplines_compare::display::{Display, Verbosity};
 use msplines_compare::report::replace;
 
@@ -47,6 +47,7 @@ pub(crate) fn run(args: &Args) -> Result<(), String> {
         program: program(args)?,
         files,
         jobs: args.jobs,
+        extent: Extent::Whole,
     };
     let rows =
         battery::run(&battery, &Display::new(Verbosity::Normal)).map_err(|e| e.to_string())?;
@@ -64,7 +65,7 @@ pub(crate) fn run(args: &Args) -> Result<(), String> {
         written.push((root.join(RECORDED), battery::json(&rows)));
         written.push((root.join(PAGE), page::markdown(&rows)));
     } else {
-        wrong.extend(battery::changes(&rows, &recorded));
+        wrong.extend(battery::changes(&rows, &recorded, Extent::Whole));
     }
     for (path, text) in written {
         replace(&path, text.as_bytes()).map_err(|e| format!("{}: {e}", path.display()))?;

@@ -128,7 +128,7 @@ pub fn flatten_disk(
     let mut weights = cotangent_weights(&triangulation);
     let matrix = laplacian(mesh.vertex_count(), &triangulation, &weights);
     stages.enter()?;
-    let ordering = Ordering::nested_dissection(&matrix)?;
+    let ordering = Ordering::minimum_degree(&matrix, |_| true)?;
     stages.enter()?;
     let mut route = Route::BoundaryFirst;
     let mut points = disk.boundary_first(&matrix, &ordering)?;

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use msplines_compare::battery::{self, Battery};
+use msplines_compare::battery::{self, Battery, Extent};
 use msplines_compare::display::{Display, Verbosity};
 
 use crate::workbench::models;
 
-/// The battery of `cargo xtask battery`, with the program of this profile: nothing may be broken, and
-/// every case must end as recorded.
+/// A sample of `cargo xtask battery`, with the program of this profile: nothing may be broken, and every
+/// case must end as recorded.
 #[test]
 fn the_battery_ends_as_recorded() {
     let files = models().map(|models| models.join("hostile"));
@@ -16,6 +16,7 @@ fn the_battery_ends_as_recorded() {
         program: env!("CARGO_BIN_EXE_msplines").into(),
         files: files.filter(|folder| folder.is_dir()),
         jobs: 2,
+        extent: Extent::Sample,
     };
     if battery.files.is_none() {
         println!("not run: hostile");
@@ -24,6 +25,6 @@ fn the_battery_ends_as_recorded() {
     let recorded = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/battery.json");
     let recorded = battery::recorded(&recorded).expect("a recorded battery");
     let mut wrong = battery::faults(&rows);
-    wrong.extend(battery::changes(&rows, &recorded));
+    wrong.extend(battery::changes(&rows, &recorded, Extent::Sample));
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

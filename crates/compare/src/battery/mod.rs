@@ -43,6 +43,35 @@ pub struct Battery {
     pub files: Option<PathBuf>,
     /// Cases at the same time.
     pub jobs: usize,
+    /// Which cases.
+    pub extent: Extent,
+}
+
+/// How many of the options and spoiled spline files are tried; all meshes and files always are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// All of them.
+    Whole,
+    /// One of [`SAMPLED`], spread over all commands.
+    Sample,
+}
+
+/// Of so many cases a sample holds one: few enough for every run of the tests.
+pub const SAMPLED: usize = 8;
+
+impl Extent {
+    fn of(self, trials: Vec<Trial>) -> Vec<Trial> {
+        let step = match self {
+            Self::Whole => 1,
+            Self::Sample => SAMPLED,
+        };
+        trials.into_iter().step_by(step).collect()
+    }
+
+    /// Returns whether every case of a group is tried.
+    fn covers(self, group: Group) -> bool {
+        self == Self::Whole || matches!(group, Group::Meshes | Group::Files)
+    }
 }
 
 /// Where a case belongs.
@@ -168,8 +197,8 @@ fn trials(battery: &Battery, bench: &inputs::Bench) -> Result<Vec<Trial>, Batter
     if let Some(files) = &battery.files {
         trials.extend(inputs::file_trials(bench, files)?);
     }
-    trials.extend(options::trials(bench)?);
-    trials.extend(splines::trials(bench)?);
+    trials.extend(battery.extent.of(options::trials(bench)?));
+    trials.extend(battery.extent.of(splines::trials(bench)?));
     Ok(trials)
 }
 
@@ -184,9 +213,9 @@ pub fn faults(rows: &[Row]) -> Vec<String> {
 }
 
 /// Returns where `rows` ended otherwise than `recorded`, as lines for people. Files count where any were
-/// met, as the library of models need not be there.
+/// met, as the library of models need not be there; what a sample left out does not.
 #[must_use]
-pub fn changes(rows: &[Row], recorded: &[Row]) -> Vec<String> {
+pub fn changes(rows: &[Row], recorded: &[Row], extent: Extent) -> Vec<String> {
     let has_files = rows.iter().any(|row| row.group == Group::Files);
     let counted = |row: &&Row| has_files || row.group != Group::Files;
     let index: std::collections::BTreeMap<_, _> = rows.iter().map(|r| (r.key(), r)).collect();
@@ -194,6 +223,7 @@ pub fn changes(rows: &[Row], recorded: &[Row]) -> Vec<String> {
     let told = |row: &Row, text: String| format!("{}, {}: {text}", row.method, row.case);
     let changed = recorded.iter().filter(counted).filter_map(|before| {
         let text = match index.get(&before.key()) {
+            None if !extent.covers(before.group) => return None,
             None => "was not run".to_owned(),
             Some(now) if now.outcome == before.outcome => return None,
             Some(now) => format!(
@@ -253,15 +283,34 @@ mod tests {
             row(Group::Meshes, "b", Outcome::Accepted),
             row(Group::Meshes, "d", Outcome::Input),
         ];
-        assert_eq!(changes(&recorded, &recorded), Vec::<String>::new());
+        let none = Vec::<String>::new();
+        assert_eq!(changes(&recorded, &recorded, Extent::Whole), none);
         assert_eq!(
-            changes(&now, &recorded),
+            changes(&now, &recorded, Extent::Whole),
             [
                 "info, a: was not run",
                 "info, b: input refused before, now accepted: x",
                 "info, d: input refused, not recorded"
             ]
         );
+    }
+
+    #[test]
+    fn a_sample_may_leave_out_options_but_no_mesh() {
+        let recorded = [
+            row(Group::Meshes, "a", Outcome::Input),
+            row(Group::Options, "b", Outcome::Usage),
+        ];
+        assert_eq!(
+            changes(&[], &recorded, Extent::Sample),
+            ["info, a: was not run"]
+        );
+        assert_eq!(changes(&[], &recorded, Extent::Whole).len(), 2);
+        let now = [
+            row(Group::Meshes, "a", Outcome::Input),
+            row(Group::Options, "b", Outcome::Accepted),
+        ];
+        assert_eq!(changes(&now, &recorded, Extent::Sample).len(), 1);
     }
 
     #[test]

@@ -107,7 +107,7 @@ pub fn bounded_form(
     let weights = cotangent_weights(&triangulation);
     let laplacian = laplacian(mesh.vertex_count(), &triangulation, &weights);
     stages.enter()?;
-    let ordering = Ordering::nested_dissection(&laplacian)?;
+    let ordering = Ordering::minimum_degree(&laplacian, |_| true)?;
     let loops: Vec<Vec<u32>> = mesh.topology().boundary_loops();
     stages.enter()?;
     let potential = harmonic(mesh, &loops, levels, (&laplacian, &ordering))?;

@@ -95,7 +95,7 @@ pub fn spherical_map(
     bound_below(&mut weights, WEIGHT_FLOOR);
     let laplacian = laplacian(mesh.vertex_count(), &triangulation, &weights);
     stages.enter()?;
-    let ordering = Ordering::nested_dissection(&laplacian)?;
+    let ordering = Ordering::minimum_degree(&laplacian, |_| true)?;
     let areas = vertex_areas(mesh.vertex_count(), &triangulation);
     let chart = plane::Chart {
         laplacian: &laplacian,
