@@ -69,6 +69,7 @@ impl TSplineError {
                 | FitError::Sampling { .. }
                 | FitError::Option { .. },
             )
+            | Self::Domain(DomainError::SamePole { .. })
             | Self::Tolerance { .. }
             | Self::NoSuchVertex { .. }
             | Self::Edit(_)

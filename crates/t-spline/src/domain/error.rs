@@ -101,7 +101,9 @@ pub enum DomainError {
         vertex: u32,
     },
     /// Not as many zeros as the topology asks for.
-    #[error("the form has {found} zeros, counted by order, where the topology has {expected}")]
+    #[error(
+        "the form has {found} zeros, counted by order, where the topology has {expected}; refine the mesh, or choose another form"
+    )]
     Zeros {
         /// Zeros counted by order.
         found: i64,
