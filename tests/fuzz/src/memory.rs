@@ -9,6 +9,9 @@ static ALLOCATOR: PeakAlloc = PeakAlloc;
 /// as its content while it moves; that of the tests of `io`.
 const BYTES_PER_BYTE: usize = 64;
 
+/// A shorthand of four bytes in a drawing can become a polyline of 32 points.
+const DRAWN_BYTES_PER_BYTE: usize = 1024;
+
 /// Messages, tables of fixed size, and the buffers of the fuzzer itself.
 const SLACK: usize = 1 << 18;
 
@@ -18,6 +21,11 @@ const SLACK: usize = 1 << 18;
 /// If it takes more memory on its way than so many bytes warrant.
 pub(crate) fn bounded<T>(length: usize, read: impl FnOnce() -> T) -> T {
     within(BYTES_PER_BYTE * length + SLACK, read)
+}
+
+/// The same of a drawing, whose curves become polylines.
+pub(crate) fn bounded_drawing<T>(length: usize, read: impl FnOnce() -> T) -> T {
+    within(DRAWN_BYTES_PER_BYTE * length + SLACK, read)
 }
 
 /// Returns what `work` makes.

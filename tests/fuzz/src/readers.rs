@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use msplines_common::mesh::PolygonSoup;
+use msplines_common::mesh::curves::CurveNetwork;
 use msplines_io::{
     ReadError, parse_creases, parse_curves, parse_npy, parse_points, parse_soup, parse_tetgen,
     parse_tets,
 };
 
-use crate::memory::bounded;
+use crate::memory::{bounded, bounded_drawing};
 use crate::round_trip;
 
 /// What stands between the two files of TetGen in one input.
@@ -43,9 +44,19 @@ fn check_soup(soup: &PolygonSoup, bytes: usize) {
     }
 }
 
-/// Holds the readers of curve networks to their laws.
+/// Holds the readers of polylines to their laws.
 pub fn network(name: &str, bytes: &[u8]) {
     let network = bounded(bytes.len(), || parse_curves(Path::new(name), bytes));
+    check_network(network);
+}
+
+/// Holds the reader of drawings to its laws.
+pub fn drawing(bytes: &[u8]) {
+    let network = bounded_drawing(bytes.len(), || parse_curves(Path::new("a.svg"), bytes));
+    check_network(network);
+}
+
+fn check_network(network: Result<CurveNetwork, ReadError>) {
     let Some(network) = answer(network) else {
         return;
     };

@@ -3,6 +3,6 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use msplines_fuzz::readers::network;
+use msplines_fuzz::readers::drawing;
 
-fuzz_target!(|bytes: &[u8]| network("a.svg", bytes));
+fuzz_target!(|bytes: &[u8]| drawing(bytes));

@@ -206,6 +206,61 @@ fn curves_of_a_drawing_are_flattened_closely() {
 }
 
 #[test]
+fn an_arc_of_any_size_is_cut_into_few_pieces() {
+    for size in [1e-30, 1e-9, 1.0, 1e12, 1e30, 1e150] {
+        // Half a circle, whose radius is too small and grows, and a quarter of one.
+        let text = svg(&format!(
+            "<path d=\"M 0 0 A {r} {r} 0 0 1 {size} 0 a {h} {h} 0 0 0 {h} {h}\"/>",
+            r = size / 8.0,
+            h = size / 2.0,
+        ));
+        let read = network("a.svg", &text);
+        assert!(read.points().len() < 200, "{}", read.points().len());
+        let (centers, radius) = ([[0.5, 0.0], [1.5, 0.0]], 0.5);
+        for p in read.points() {
+            let p = p / size;
+            let deviation = |[x, y]: [f64; 2]| ((p.x - x).hypot(p.y - y) - radius).abs();
+            let least = centers.map(deviation).into_iter().fold(1.0, f64::min);
+            assert!(least < 1e-4, "{size}: {p}");
+        }
+        let end = read.points().iter().map(|p| p.x / size).fold(0.0, f64::max);
+        assert!((end - 1.5).abs() < 1e-12, "{end}");
+    }
+}
+
+#[test]
+fn shorthands_of_paths_reflect_what_came_before() {
+    let points = |data: &str| {
+        let read = network("a.svg", &svg(&format!("<path d=\"{data}\"/>")));
+        let curves: Vec<_> = read.curves().iter().map(|c| c.points.clone()).collect();
+        (read.points().to_vec(), curves)
+    };
+    for (short, long) in [
+        (
+            "m 1 2 3 4 h 2 v -1 H 9 V 9",
+            "M 1 2 L 4 6 L 6 6 L 6 5 L 9 5 L 9 9",
+        ),
+        (
+            "M 0 0 c 0 1 1 2 2 2 s 2 1 2 3",
+            "M 0 0 C 0 1 1 2 2 2 C 3 2 4 3 4 5",
+        ),
+        ("M 0 0 S 1 2 2 2", "M 0 0 C 0 0 1 2 2 2"),
+        (
+            "M 0 0 q 1 2 2 0 t 2 0 t 2 0",
+            "M 0 0 Q 1 2 2 0 Q 3 -2 4 0 Q 5 2 6 0",
+        ),
+        ("M 0 0 L 1 0 T 2 1", "M 0 0 L 1 0 Q 1 0 2 1"),
+        (
+            "M 1 1 h 2 v 2 z l 0 5",
+            "M 1 1 L 3 1 L 3 3 L 1 1 M 1 1 L 1 6",
+        ),
+        ("M 0 0 A 0 3 0 0 1 2 1", "M 0 0 L 2 1"),
+    ] {
+        assert_eq!(points(short), points(long), "{short}");
+    }
+}
+
+#[test]
 fn what_a_drawing_cannot_say_is_refused_with_its_line() {
     for (content, text) in [
         (

@@ -7,6 +7,7 @@
 //! other than `path`, `line`, `polyline` and `polygon` is refused by name.
 
 mod flatten;
+mod path;
 mod shape;
 
 use quick_xml::events::{BytesStart, Event};

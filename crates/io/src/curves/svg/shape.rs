@@ -3,10 +3,11 @@
 use std::str::FromStr;
 
 use nalgebra::{Matrix3, Point2};
-use svgtypes::{PointsParser, SimplePathSegment, SimplifyingPathParser};
+use svgtypes::PointsParser;
 
 use super::bad_attribute;
-use crate::error::{Fault, Place};
+use super::path::path;
+use crate::error::Fault;
 
 /// An affine map of the plane.
 pub(super) type Affine = Matrix3<f64>;
@@ -36,7 +37,8 @@ pub(super) struct Stroke {
 }
 
 impl Stroke {
-    fn new(start: Point2<f64>, line: u64) -> Self {
+    /// Returns a stroke without pieces.
+    pub(super) fn new(start: Point2<f64>, line: u64) -> Self {
         Self {
             start,
             pieces: Vec::new(),
@@ -45,7 +47,8 @@ impl Stroke {
         }
     }
 
-    fn close(&mut self) {
+    /// Draws back to the start, unless the stroke ends there.
+    pub(super) fn close(&mut self) {
         if self.pieces.last().is_some_and(|p| p.end() != self.start) {
             self.pieces.push(Piece::Line(self.start));
         }
@@ -108,47 +111,4 @@ pub(super) fn strokes(
         }
         _ => Ok(Vec::new()),
     }
-}
-
-fn path(data: &str, line: u64) -> Result<Vec<Stroke>, Fault> {
-    let mut strokes: Vec<Stroke> = Vec::new();
-    for segment in SimplifyingPathParser::from(data) {
-        let segment = segment.map_err(|error| bad_attribute(line, "the path data", &error))?;
-        if let SimplePathSegment::MoveTo { x, y } = segment {
-            strokes.push(Stroke::new(Point2::new(x, y), line));
-            continue;
-        }
-        let Some(stroke) = strokes.last_mut() else {
-            let problem = "the path data does not start with a move";
-            return Err(Fault::malformed(Place::Line(line), problem));
-        };
-        let from = stroke.pieces.last().map_or(stroke.start, Piece::end);
-        match segment {
-            SimplePathSegment::LineTo { x, y } => {
-                stroke.pieces.push(Piece::Line(Point2::new(x, y)));
-            }
-            SimplePathSegment::CurveTo {
-                x1,
-                y1,
-                x2,
-                y2,
-                x,
-                y,
-            } => {
-                let points = [[x1, y1], [x2, y2], [x, y]].map(Point2::from);
-                stroke.pieces.push(Piece::Cubic(points));
-            }
-            SimplePathSegment::Quadratic { x1, y1, x, y } => {
-                let (control, end) = (Point2::new(x1, y1), Point2::new(x, y));
-                let raised = [from, end].map(|p| p + (control - p) * (2.0 / 3.0));
-                stroke
-                    .pieces
-                    .push(Piece::Cubic([raised[0], raised[1], end]));
-            }
-            SimplePathSegment::ClosePath => stroke.close(),
-            SimplePathSegment::MoveTo { .. } => {}
-        }
-    }
-    strokes.retain(|stroke| !stroke.pieces.is_empty());
-    Ok(strokes)
 }
