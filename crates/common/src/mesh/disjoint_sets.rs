@@ -1,14 +1,14 @@
 //! Disjoint sets with parity: which elements belong together, and which are mirrored.
 
 /// A forest over `0..n`; the smallest element of a set is its root.
-pub(super) struct DisjointSets {
+pub(crate) struct DisjointSets {
     parent: Vec<u32>,
     odd: Vec<bool>,
 }
 
 impl DisjointSets {
     /// Returns `count` sets of one element each.
-    pub(super) fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         Self {
             parent: (0..count as u32).collect(),
             odd: vec![false; count],
@@ -16,7 +16,7 @@ impl DisjointSets {
     }
 
     /// Returns the root of an element, and whether the element is mirrored against it.
-    pub(super) fn find(&mut self, element: u32) -> (u32, bool) {
+    pub(crate) fn find(&mut self, element: u32) -> (u32, bool) {
         let (mut root, mut odd) = (element, false);
         while self.parent[root as usize] != root {
             odd ^= self.odd[root as usize];
@@ -34,13 +34,13 @@ impl DisjointSets {
     }
 
     /// Returns the root of an element.
-    pub(super) fn root(&mut self, element: u32) -> u32 {
+    pub(crate) fn root(&mut self, element: u32) -> u32 {
         self.find(element).0
     }
 
     /// Joins two sets so that the elements are `mirrored` or alike; returns false if the two are
     /// in one set already and are not.
-    pub(super) fn join(&mut self, one: u32, two: u32, mirrored: bool) -> bool {
+    pub(crate) fn join(&mut self, one: u32, two: u32, mirrored: bool) -> bool {
         let ((a, odd_a), (b, odd_b)) = (self.find(one), self.find(two));
         if a == b {
             return (odd_a ^ odd_b) == mirrored;

@@ -11,7 +11,7 @@ mod cover;
 mod crossings;
 mod decimate;
 mod defect;
-mod disjoint_sets;
+pub(crate) mod disjoint_sets;
 mod facts;
 mod flat_corners;
 mod flips;

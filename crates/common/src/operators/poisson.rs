@@ -7,7 +7,10 @@ use faer::reborrow::ReborrowMut;
 use faer::{Mat, MatMut};
 
 use super::Operators;
-use crate::linalg::{Cholesky, FactorError, Ordering, OrderingError, Symbolic, column_mut};
+use crate::linalg::{
+    Cholesky, FactorError, Ordering, OrderingError, Symbolic, SymmetricMatrix, column_mut,
+};
+use crate::mesh::disjoint_sets::DisjointSets;
 
 /// Why the Laplacian cannot be factored.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -16,7 +19,13 @@ pub enum PoissonError {
     /// No elimination order.
     #[error(transparent)]
     Ordering(#[from] OrderingError),
-    /// Not positive definite: several components, or a coordinate that is not finite.
+    /// Several components, each of which has constants of its own.
+    #[error("the surface has {components} components; solve on each by itself")]
+    NotConnected {
+        /// How many.
+        components: usize,
+    },
+    /// Not positive definite: a coordinate that is not finite.
     #[error(transparent)]
     Factor(#[from] FactorError),
 }
@@ -36,6 +45,11 @@ impl Poisson {
     /// A surface that is not connected.
     pub fn factor(operators: &Operators) -> Result<Self, PoissonError> {
         let laplacian = &operators.laplacian;
+        // Rounding may well leave a pivot that is positive where it should be zero.
+        let components = components(laplacian);
+        if components > 1 {
+            return Err(PoissonError::NotConnected { components });
+        }
         let ordering = Ordering::minimum_degree(laplacian, |_| true)?;
         // The vertex eliminated last: leaving it out changes nothing for the others.
         let grounded = ordering.as_slice().last().map_or(0, |&row| row as usize);
@@ -104,6 +118,19 @@ impl Poisson {
         (0..b.ncols()).for_each(|side| remove_mean(column_mut(b.as_mut(), side)));
         b
     }
+}
+
+/// Returns the number of parts that no entry joins.
+fn components(matrix: &SymmetricMatrix) -> usize {
+    let mut sets = DisjointSets::new(matrix.size());
+    for column in 0..matrix.size() {
+        for (row, _) in matrix.column(column) {
+            sets.join(row as u32, column as u32, false);
+        }
+    }
+    (0..matrix.size() as u32)
+        .filter(|&v| sets.root(v) == v)
+        .count()
 }
 
 fn remove_mean(values: &mut [f64]) {
