@@ -13,7 +13,6 @@ use std::collections::BTreeSet;
 
 use citation::Citation;
 use contents::Paper;
-use msplines_compare::report::replace;
 
 use crate::tree::{self, File};
 
@@ -39,9 +38,7 @@ pub(crate) fn run(args: &Args) -> Result<(), String> {
     }
     let files = tree::read(&tree::root())?;
     for page in current_pages(&files)? {
-        let path = tree::root().join(&page.path);
-        replace(&path, page.text.as_bytes())
-            .map_err(|e| format!("cannot write {}: {e}", page.path))?;
+        tree::write(&page)?;
         println!("wrote {}", page.path);
     }
     Ok(())

@@ -1,5 +1,5 @@
-//! Compares with other libraries on the same work: starts the program that measures, and shows what it
-//! found.
+//! Compares with other libraries on the same work: starts the program that measures, then the one that
+//! shows what it found.
 
 mod environment;
 
@@ -8,9 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
-use msplines_compare::peers::{FILE, Peers, markdown, terminal};
-use msplines_compare::report::replace;
-
+use crate::harness;
 use crate::test::reference;
 use crate::tree::root;
 
@@ -20,10 +18,8 @@ const ONE_THREAD: [&str; 3] = [
     "OMP_NUM_THREADS",
     "RAYON_NUM_THREADS",
 ];
-/// The page that holds the tables.
-const PAGE: &str = "docs/peers.md";
-const BEGIN: &str = "<!-- peers:begin -->\n";
-const END: &str = "<!-- peers:end -->";
+/// What is written.
+const FILE: &str = "peers.json";
 
 /// Arguments of `cargo xtask peers`.
 #[derive(clap::Args)]
@@ -56,23 +52,15 @@ pub(crate) fn run(args: &Args) -> Result<(), String> {
     let out = env::current_dir()
         .map_err(|error| format!("there is no working folder: {error}"))?
         .join(&args.out);
-    let file = out.join(FILE);
     if !args.stored {
         fs::create_dir_all(&out).map_err(|error| format!("{}: {error}", out.display()))?;
-        measure(args, &file)?;
+        measure(args, &out.join(FILE))?;
     }
-    let peers = Peers::read(&file)?;
-    print!("{}", terminal(&peers));
-    println!("{}", file.display());
+    let mut shown = vec![OsString::from("--out"), out.into_os_string()];
     if args.write_docs {
-        let path = root().join(PAGE);
-        let told = |error: std::io::Error| format!("{PAGE}: {error}");
-        let page = fs::read_to_string(&path).map_err(told)?;
-        let page = with_tables(&page, &markdown(&peers))?;
-        replace(&path, page.as_bytes()).map_err(|error| format!("{PAGE}: {error}"))?;
-        println!("wrote {PAGE}");
+        shown.push("--write-docs".into());
     }
-    Ok(())
+    harness::run("peers", &shown)
 }
 
 fn measure(args: &Args, file: &Path) -> Result<(), String> {
@@ -108,26 +96,5 @@ fn measure(args: &Args, file: &Path) -> Result<(), String> {
         Ok(())
     } else {
         Err(format!("the comparison ended with {status}"))
-    }
-}
-
-/// Returns a page with other tables between its marks.
-fn with_tables(page: &str, tables: &str) -> Result<String, String> {
-    let marks = || format!("{PAGE} has no marks `{}` and `{END}`", BEGIN.trim());
-    let (before, rest) = page.split_once(BEGIN).ok_or_else(marks)?;
-    let (_, after) = rest.split_once(END).ok_or_else(marks)?;
-    Ok(format!("{before}{BEGIN}{tables}{END}{after}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::with_tables;
-
-    #[test]
-    fn tables_take_the_place_of_older_ones() {
-        let page = "head\n<!-- peers:begin -->\nold\n<!-- peers:end -->\ntail\n";
-        let new = with_tables(page, "new\n").expect("marks");
-        assert_eq!(new, page.replace("old", "new"));
-        assert!(with_tables("no marks", "new").is_err());
     }
 }

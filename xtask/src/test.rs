@@ -11,7 +11,7 @@ use std::env;
 
 use steps::{Outcome, Step};
 
-use crate::{papers, tidy};
+use crate::{harness, papers, tidy};
 
 /// Arguments of `cargo xtask test`.
 #[derive(clap::Args)]
@@ -46,7 +46,7 @@ const STEPS: [Named; 9] = [
     ("clippy", clippy),
     ("tests", tests),
     ("doc-tests", doc_tests),
-    ("reference", || reference::run(packages())),
+    ("reference", || reference::run(packages(), with_harness)),
     ("smoke", || reproduce(&["--fresh"])),
     // The rows that the step before has finished are not run again.
     ("browser", || browser::run(|| reproduce(&[]))),
@@ -130,10 +130,21 @@ fn doc_tests() -> Step {
     steps::cargo(&arguments)
 }
 
-/// The generated rows, through the same command that reproduces all tables.
+/// The generated rows, through the same program that reproduces all tables.
 fn reproduce(more: &[&str]) -> Step {
-    match env::current_exe() {
-        Ok(program) => steps::program(&program, &[&SMOKE, more].concat()),
-        Err(error) => Step::failed(format!("this program does not know its own path: {error}")),
+    with_harness(&[&SMOKE, more].concat())
+}
+
+/// Runs the harness as the tests build it: in the release profile all would be compiled once more.
+fn with_harness(arguments: &[&str]) -> Step {
+    let mut build = vec!["test", "--quiet", "--no-run", "--test", harness::TEST];
+    build.extend(packages());
+    let built = steps::cargo(&build);
+    if built.outcome != Outcome::Passed {
+        return built;
+    }
+    match harness::of_tests() {
+        Ok(program) => steps::program(&program, arguments),
+        Err(error) => Step::failed(error),
     }
 }

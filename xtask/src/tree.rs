@@ -29,7 +29,12 @@ impl File {
 
     /// Returns the folder of the member package that holds this file: `crates/common` or `xtask`.
     pub(crate) fn package(&self) -> &str {
-        let nested = ["crates/", "tests/fuzz/", "tests/reference/"];
+        let nested = [
+            "crates/",
+            "tests/fuzz/",
+            "tests/reference/",
+            "xtask/harness/",
+        ];
         let is_nested = nested.iter().any(|folder| self.path.starts_with(folder));
         let depth = if is_nested { 2 } else { 1 };
         match self.path.match_indices('/').nth(depth - 1) {
@@ -62,13 +67,6 @@ pub(crate) fn root() -> PathBuf {
         .map_or_else(|| here.to_owned(), Path::to_owned)
 }
 
-/// Returns a page with what stands between two lines replaced, or nothing without them.
-pub(crate) fn replace_between(page: &str, [begin, end]: [&str; 2], text: &str) -> Option<String> {
-    let (before, rest) = page.split_once(begin)?;
-    let (_, after) = rest.split_once(end)?;
-    Some(format!("{before}{begin}\n{text}{end}{after}"))
-}
-
 /// Reads all text files of the project under `root`, sorted by path.
 pub(crate) fn read(root: &Path) -> Result<Vec<File>, String> {
     let mut files = Vec::new();
@@ -94,6 +92,15 @@ pub(crate) fn read(root: &Path) -> Result<Vec<File>, String> {
     Ok(files)
 }
 
+/// Writes a file beside its place and renames it.
+pub(crate) fn write(file: &File) -> Result<(), String> {
+    let told = |error| format!("cannot write {}: {error}", file.path);
+    let path = root().join(&file.path);
+    let beside = path.with_extension("new");
+    fs::write(&beside, &file.text).map_err(told)?;
+    fs::rename(&beside, &path).map_err(told)
+}
+
 fn name_from(root: &Path, path: &Path) -> String {
     let inside = path.strip_prefix(root).unwrap_or(path);
     let parts: Vec<_> = inside.iter().map(|part| part.to_string_lossy()).collect();
@@ -109,6 +116,7 @@ mod tests {
         let package = |path| File::new(path, "").package().to_owned();
         assert_eq!(package("crates/common/src/lib.rs"), "crates/common");
         assert_eq!(package("xtask/src/main.rs"), "xtask");
+        assert_eq!(package("xtask/harness/src/main.rs"), "xtask/harness");
         assert_eq!(package("tests/contract.rs"), "tests");
         assert_eq!(package("tests/reference/src/lib.rs"), "tests/reference");
         assert_eq!(package("tests/fuzz/src/lib.rs"), "tests/fuzz");

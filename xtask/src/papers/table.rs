@@ -5,7 +5,6 @@ use std::fmt::Write;
 
 use super::citation::Citation;
 use super::contents::Paper;
-use crate::tree;
 
 /// Line before a generated table.
 pub(super) const BEGIN: &str = "<!-- citations:begin -->";
@@ -14,7 +13,9 @@ pub(super) const END: &str = "<!-- citations:end -->";
 
 /// Returns a page with what stands between its two markers replaced, or nothing without markers.
 pub(super) fn replace(page: &str, table: &str) -> Option<String> {
-    tree::replace_between(page, [BEGIN, END], table)
+    let (before, rest) = page.split_once(BEGIN)?;
+    let (_, after) = rest.split_once(END)?;
+    Some(format!("{before}{BEGIN}\n{table}{END}{after}"))
 }
 
 /// Returns the table of a paper: what claims each of its items.

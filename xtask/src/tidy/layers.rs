@@ -6,7 +6,7 @@ use super::Finding;
 use crate::tree::File;
 
 /// Layer of each package folder, from the bottom.
-const LAYERS: [(&str, u8); 17] = [
+const LAYERS: [(&str, u8); 18] = [
     ("crates/common", 1),
     ("crates/conformal", 2),
     ("crates/io", 2),
@@ -21,6 +21,7 @@ const LAYERS: [(&str, u8); 17] = [
     ("crates/manifold-splines", 4),
     ("crates/cli", 5),
     ("xtask", 5),
+    ("xtask/harness", 5),
     ("tests", 5),
     ("tests/reference", 5),
     ("tests/fuzz", 6),
@@ -37,11 +38,12 @@ pub(super) const METHODS: [&str; 6] = [
 ];
 
 /// Packages that may depend on `io`: those that touch files. Others may in their tests.
-const READERS: [&str; 7] = [
+const READERS: [&str; 8] = [
     "crates/compare",
     "crates/manifold-splines",
     "crates/cli",
     "xtask",
+    "xtask/harness",
     "tests",
     "tests/fuzz",
     "tests/reference",
@@ -103,6 +105,7 @@ fn folder_of(package: &str) -> Option<String> {
         "msplines-tests" => Some("tests".to_owned()),
         "msplines-fuzz" => Some("tests/fuzz".to_owned()),
         "msplines-reference" => Some("tests/reference".to_owned()),
+        "msplines-harness" => Some("xtask/harness".to_owned()),
         "xtask" => Some("xtask".to_owned()),
         _ => package
             .strip_prefix("msplines-")

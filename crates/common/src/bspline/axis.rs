@@ -110,3 +110,85 @@ impl Axis {
         out
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Axis;
+
+    /// Numbers of an array of 2 × 3 × 4 places with two components.
+    const SIZES: [usize; 3] = [2, 3, 4];
+    const COMPONENTS: usize = 2;
+
+    fn place(at: [usize; 3], sizes: [usize; 3], component: usize) -> usize {
+        ((at[2] * sizes[1] + at[1]) * sizes[0] + at[0]) * COMPONENTS + component
+    }
+
+    fn numbers(count: usize) -> Vec<f64> {
+        (0..count).map(|i| ((i * 7 + 3) % 11) as f64).collect()
+    }
+
+    #[test]
+    fn rows_combine_the_numbers_of_each_line() {
+        for axis in 0..3 {
+            let along = Axis::of(&SIZES, axis, COMPONENTS);
+            assert_eq!(along.len(), 48);
+            let last = SIZES[axis] - 2;
+            let (first, weights) = ([last, 0, 0], [[1.0, -2.0], [0.5, 4.0], [3.0, 0.0]]);
+            let values = numbers(along.len());
+            let found = along.apply(&first, &weights, &values);
+            let mut sizes = SIZES;
+            sizes[axis] = first.len();
+            assert_eq!(found.len(), sizes.iter().product::<usize>() * COMPONENTS);
+            for index in 0..found.len() / COMPONENTS {
+                let at = [
+                    index % sizes[0],
+                    index / sizes[0] % sizes[1],
+                    index / (sizes[0] * sizes[1]),
+                ];
+                for component in 0..COMPONENTS {
+                    let term = |p: usize| {
+                        let mut from = at;
+                        from[axis] = first[at[axis]] + p;
+                        weights[at[axis]][p] * values[place(from, SIZES, component)]
+                    };
+                    let sum = term(0) + term(1);
+                    assert_eq!(
+                        found[place(at, sizes, component)],
+                        sum,
+                        "axis {axis}, {at:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_transpose_has_the_same_products() {
+        for axis in 0..3 {
+            let along = Axis::of(&SIZES, axis, COMPONENTS);
+            let (first, weights) = (
+                [0, SIZES[axis] - 2, 0],
+                [[1.0, -2.0], [0.5, 4.0], [3.0, 1.0]],
+            );
+            let values = numbers(along.len());
+            let forward = along.apply(&first, &weights, &values);
+            let others = numbers(forward.len() + 5)[5..].to_vec();
+            let back = along.apply_transposed(&first, &weights, &others);
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            assert_eq!(dot(&forward, &others), dot(&values, &back));
+        }
+    }
+
+    #[test]
+    fn without_rows_or_numbers_nothing_is_summed() {
+        let along = Axis::of(&SIZES, 1, COMPONENTS);
+        assert!(!along.is_empty());
+        let none: [[f64; 2]; 0] = [];
+        assert!(along.apply(&[], &none, &numbers(48)).is_empty());
+        assert_eq!(along.apply_transposed(&[], &none, &[]), vec![0.0; 48]);
+        let empty = Axis::of(&[2, 0, 4], 0, COMPONENTS);
+        assert!(empty.is_empty());
+        assert!(empty.apply(&[0], &[[1.0, 1.0]], &[]).is_empty());
+        assert!(empty.apply_transposed(&[0], &[[1.0, 1.0]], &[]).is_empty());
+    }
+}
