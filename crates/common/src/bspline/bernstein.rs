@@ -87,6 +87,20 @@ mod tests {
     const ROUNDING: f64 = 1e-14;
 
     #[test]
+    fn values_are_sums_of_the_polynomials() {
+        let coefficients = [2.0, -1.0, 0.5, 3.0, -4.0];
+        let mut row = [0.0; 5];
+        for step in 0..=10 {
+            let x = f64::from(step) / 10.0;
+            values(x, &mut row);
+            let sum: f64 = row.iter().zip(coefficients).map(|(b, c)| b * c).sum();
+            assert!((evaluate(&coefficients, x) - sum).abs() < ROUNDING);
+            assert_eq!(evaluate(&[7.5], x), 7.5);
+        }
+        assert_eq!(evaluate(&[], 0.5), 0.0);
+    }
+
+    #[test]
     fn values_sum_to_one_and_reproduce_the_identity() {
         let mut row = [0.0; 9];
         for step in 0..=10 {

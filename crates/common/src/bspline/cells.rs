@@ -387,6 +387,28 @@ mod tests {
     }
 
     #[test]
+    fn every_shape_has_its_points_and_their_order() {
+        for (shape, degree, points, order) in [
+            (CellShape::Triangles, [3, 7, 7], 10, vtk_triangle_order(3)),
+            (CellShape::Quads, [2, 3, 7], 12, vtk_quad_order([2, 3])),
+            (
+                CellShape::Hexahedra,
+                [1, 2, 3],
+                24,
+                vtk_hexahedron_order([1, 2, 3]),
+            ),
+        ] {
+            assert_eq!(shape.points_per_cell(degree), points);
+            assert_eq!(shape.vtk_order(degree), order);
+            let cells = |count| {
+                let points = vec![Point3::origin(); count * points];
+                BezierCells::build(shape, degree, points, None).unwrap()
+            };
+            assert!(cells(0).is_empty() && !cells(2).is_empty());
+        }
+    }
+
+    #[test]
     fn cells_are_counted_and_checked() {
         let points = vec![Point3::origin(); 24];
         let shape = CellShape::Hexahedra;

@@ -5,7 +5,7 @@ use msplines_common::mesh::shapes;
 use super::draft::{Draft, Kind};
 use super::inputs::Bench;
 use super::subjects::{SUBJECTS, Subject};
-use super::{BatteryError, Group, Trial};
+use super::{BatteryError, Group, REPAIRED, Trial};
 
 /// Names of the defects, in the order of the peers' table.
 pub(super) const DEFECTS: [&str; 12] = [
@@ -38,7 +38,7 @@ pub(super) fn trials(bench: &Bench) -> Result<Vec<Trial>, BatteryError> {
             let Some((file, command)) = prepared(bench, subject, number)? else {
                 continue;
             };
-            for repair in ["", " --repair"] {
+            for repair in ["", REPAIRED] {
                 trials.push(Trial {
                     group: Group::Meshes,
                     case: name.to_owned(),

@@ -8,7 +8,7 @@ use super::draft::Draft;
 use super::law::{Bounds, OUTPUTS, judge};
 use super::process::{self, End};
 use super::subjects::{SPLINES, SUBJECTS, Subject};
-use super::{Battery, BatteryError, Group, Row, Trial};
+use super::{Battery, BatteryError, Group, REPAIRED, Row, Trial};
 
 /// A folder of its own for the cases of one worker.
 pub(super) struct Bench {
@@ -202,7 +202,7 @@ pub(super) fn file_trials(bench: &Bench, folder: &Path) -> Result<Vec<Trial>, Ba
         let fitting = SUBJECTS.iter().filter(|subject| subject.files_up_to > size);
         for subject in fitting {
             trials.extend(
-                ["", " --repair"].map(|repair| file_trial(subject, &name, [share, repair], bounds)),
+                ["", REPAIRED].map(|repair| file_trial(subject, &name, [share, repair], bounds)),
             );
         }
     }

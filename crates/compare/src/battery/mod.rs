@@ -47,7 +47,8 @@ pub struct Battery {
     pub extent: Extent,
 }
 
-/// How many of the options and spoiled spline files are tried; all meshes and files always are.
+/// How many of the options, spoiled spline files and repaired inputs are tried; all meshes and files are as they
+/// come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
     /// All of them.
@@ -59,6 +60,9 @@ pub enum Extent {
 /// Of so many cases a sample holds one: few enough for every run of the tests.
 pub const SAMPLED: usize = 8;
 
+/// How the name of a method ends whose input is repaired.
+const REPAIRED: &str = " --repair";
+
 impl Extent {
     fn of(self, trials: Vec<Trial>) -> Vec<Trial> {
         let step = match self {
@@ -68,9 +72,23 @@ impl Extent {
         trials.into_iter().step_by(step).collect()
     }
 
-    /// Returns whether every case of a group is tried.
-    fn covers(self, group: Group) -> bool {
-        self == Self::Whole || matches!(group, Group::Meshes | Group::Files)
+    /// Returns meshes and files as they come, and as many of the repaired ones as of other cases.
+    fn of_inputs(self, mut trials: Vec<Trial>) -> Vec<Trial> {
+        if self == Self::Sample {
+            let mut repaired = 0;
+            trials.retain(|trial| {
+                let is_repaired = trial.method.ends_with(REPAIRED);
+                repaired += usize::from(is_repaired);
+                !is_repaired || repaired % SAMPLED == 1
+            });
+        }
+        trials
+    }
+
+    /// Returns whether every case like this one is tried.
+    fn covers(self, row: &Row) -> bool {
+        let is_input = matches!(row.group, Group::Meshes | Group::Files);
+        self == Self::Whole || is_input && !row.method.ends_with(REPAIRED)
     }
 }
 
@@ -197,6 +215,7 @@ fn trials(battery: &Battery, bench: &inputs::Bench) -> Result<Vec<Trial>, Batter
     if let Some(files) = &battery.files {
         trials.extend(inputs::file_trials(bench, files)?);
     }
+    trials = battery.extent.of_inputs(trials);
     trials.extend(battery.extent.of(options::trials(bench)?));
     trials.extend(battery.extent.of(splines::trials(bench)?));
     Ok(trials)
@@ -223,7 +242,7 @@ pub fn changes(rows: &[Row], recorded: &[Row], extent: Extent) -> Vec<String> {
     let told = |row: &Row, text: String| format!("{}, {}: {text}", row.method, row.case);
     let changed = recorded.iter().filter(counted).filter_map(|before| {
         let text = match index.get(&before.key()) {
-            None if !extent.covers(before.group) => return None,
+            None if !extent.covers(before) => return None,
             None => "was not run".to_owned(),
             Some(now) if now.outcome == before.outcome => return None,
             Some(now) => format!(
@@ -296,16 +315,19 @@ mod tests {
     }
 
     #[test]
-    fn a_sample_may_leave_out_options_but_no_mesh() {
+    fn a_sample_may_leave_out_options_and_repairs_but_no_mesh() {
+        let mut repaired = row(Group::Meshes, "a", Outcome::Input);
+        repaired.method.push_str(REPAIRED);
         let recorded = [
             row(Group::Meshes, "a", Outcome::Input),
             row(Group::Options, "b", Outcome::Usage),
+            repaired,
         ];
         assert_eq!(
             changes(&[], &recorded, Extent::Sample),
             ["info, a: was not run"]
         );
-        assert_eq!(changes(&[], &recorded, Extent::Whole).len(), 2);
+        assert_eq!(changes(&[], &recorded, Extent::Whole).len(), 3);
         let now = [
             row(Group::Meshes, "a", Outcome::Input),
             row(Group::Options, "b", Outcome::Accepted),
