@@ -122,6 +122,13 @@ fn cases() -> Vec<Case> {
     vec![
         case("torus", shells::torus(), 0, 0),
         case("torus with T-junctions", shells::split_torus(), 0, 0),
+        case("a leaning torus", shells::leaning(shells::torus()), 0, 0),
+        case(
+            "a leaning torus with T-junctions",
+            shells::leaning(shells::split_torus()),
+            0,
+            0,
+        ),
         case("octants of a sphere", shells::octants(), 0, 8),
         case(
             "an octant of a sphere",

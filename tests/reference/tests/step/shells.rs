@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use msplines_common::bspline::{
     BezierCurve, BezierEdge, BezierFace, BezierShell, EdgeUse, ShellError,
 };
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 /// A patch whose boundary is not known yet.
 pub(crate) type Patch = BezierFace;
@@ -100,6 +100,15 @@ pub(crate) fn octants() -> Vec<Patch> {
             }
             patches.push(patch([2, 2], points, Some(weights)));
         }
+    }
+    patches
+}
+
+/// Returns patches turned, sheared and stretched by one matrix.
+pub(crate) fn leaning(mut patches: Vec<Patch>) -> Vec<Patch> {
+    let matrix = Matrix3::new(1.1, 0.4, -0.3, -0.2, 0.7, 0.5, 0.3, 0.1, 1.6);
+    for point in patches.iter_mut().flat_map(|patch| &mut patch.points) {
+        *point = matrix * *point;
     }
     patches
 }
