@@ -125,7 +125,7 @@ What `msplines` says when something is wrong, case by case. Each case runs the p
 whose positions are finite and no farther than three diagonals from the input's box, or with a refusal that names the place and says what to
 do: the command cannot be meant so (exit code 2), the input is refused (3), or the method cannot take it (4). A crash, a run of more than a
 minute or 4 GiB, a number that is none, a surface far away, or a message without place or remedy would be broken. The same rows are in
-[data/battery.json](../data/battery.json), against which `cargo xtask battery` compares all, and the tests a sample of options and spline files.
+[data/battery.json](../data/battery.json), against which `cargo xtask battery` compares all, and the tests a sample of options, spline files and repaired inputs.
 
 ";
 
