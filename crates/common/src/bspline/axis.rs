@@ -164,12 +164,9 @@ mod tests {
 
     #[test]
     fn the_transpose_has_the_same_products() {
-        for axis in 0..3 {
+        for (axis, size) in SIZES.into_iter().enumerate() {
             let along = Axis::of(&SIZES, axis, COMPONENTS);
-            let (first, weights) = (
-                [0, SIZES[axis] - 2, 0],
-                [[1.0, -2.0], [0.5, 4.0], [3.0, 1.0]],
-            );
+            let (first, weights) = ([0, size - 2, 0], [[1.0, -2.0], [0.5, 4.0], [3.0, 1.0]]);
             let values = numbers(along.len());
             let forward = along.apply(&first, &weights, &values);
             let others = numbers(forward.len() + 5)[5..].to_vec();
